@@ -7,6 +7,8 @@
 #include "pipeline/render/render_view.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/lines/lines_svg.h"
+#include "raytrace/lines/one_stroke.h"
+#include "raytrace/lines/select.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -123,6 +125,7 @@ PictureLines::PictureLines(std::span<const LineModel> models, std::span<const Li
 
 void PictureLines::add(int begin, int end, RenderedFrame& frame) {
     const SceneRows rows{frame.window.y, frame.size.height, begin, end};
+    px_ = line_pixel(frame.buffer.width, frame.size.height);
     for (Search& search : searches_) {
         std::optional<OneModel> alone;
         if (search.model != kAllModels) alone.emplace(search.model, frame);
@@ -143,7 +146,8 @@ std::vector<FeatureLine> PictureLines::finish() {
     };
     std::stable_sort(lines.begin(), lines.end(),
                      [&](const FeatureLine& a, const FeatureLine& b) { return rank(a) < rank(b); });
-    return lines;
+    // The search for one model's has done so.
+    return searches_.size() > 1 ? one_stroke(std::move(lines), px_) : lines;
 }
 
 std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg,

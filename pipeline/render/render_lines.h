@@ -59,6 +59,7 @@ private:
 
     std::vector<LineKind> kinds_;
     std::vector<Search> searches_;
+    float px_ = 1;  ///< line_pixel of the picture
 };
 
 /// The lines of a picture or a part of it.

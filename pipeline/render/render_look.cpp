@@ -117,13 +117,13 @@ PixelBox taken_by_scale_bar(const RenderConfig& config, const RenderedFrame& fra
 }  // namespace
 
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
-                double diagonal, const ContourLevels& contours, const ValueRange* wider) {
+                const MapScale& scale, const ContourLevels& contours, const ValueRange* wider) {
     const GBuffer& b = reference.buffer;
     AovLook look;
     if (aov == "level") look = look_of_levels(b);
     if (map_spec(aov)) {
         const MapValues values = map_values(aov, reference);
-        ValueRange range = map_range(config, aov, values.span(), b, diagonal);
+        ValueRange range = map_range(config, aov, values.span(), b, scale);
         if (wider)
             range.lo = std::min(range.lo, wider->lo), range.hi = std::max(range.hi, wider->hi);
         look.legend = make_legend(config, aov, range, values.span(), b.hit);
@@ -138,9 +138,9 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
 }
 
 ValueRange range_of(const RenderConfig& config, const std::string& aov,
-                    const RenderedFrame& reference, double diagonal) {
+                    const RenderedFrame& reference, const MapScale& scale) {
     const MapValues values = map_values(aov, reference);
-    return map_range(config, aov, values.span(), reference.buffer, diagonal);
+    return map_range(config, aov, values.span(), reference.buffer, scale);
 }
 
 bool needs_reference(const RenderConfig& config, const std::string& aov) {

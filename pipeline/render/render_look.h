@@ -2,6 +2,7 @@
 
 #include "pipeline/render/render_aov.h"
 #include "pipeline/render/render_config.h"
+#include "pipeline/render/render_maps.h"
 #include "raytrace/height_label.h"
 #include "raytrace/hillshade.h"
 #include "raytrace/key.h"
@@ -31,11 +32,12 @@ struct AovLook {
 /// longer side, so that all parts of a picture and all frames of a film agree.
 /// `wider`, if given, is held by the range of a map.
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
-                double diagonal, const ContourLevels& contours, const ValueRange* wider = nullptr);
+                const MapScale& scale, const ContourLevels& contours,
+                const ValueRange* wider = nullptr);
 
 /// A map's range by a reference frame alone.
 ValueRange range_of(const RenderConfig& config, const std::string& aov,
-                    const RenderedFrame& reference, double diagonal);
+                    const RenderedFrame& reference, const MapScale& scale);
 
 /// Whether look_of needs a reference frame for this AOV at all.
 bool needs_reference(const RenderConfig& config, const std::string& aov);

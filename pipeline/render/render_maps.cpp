@@ -52,20 +52,32 @@ double curvature_of_radius(double diagonals, int length_power, double diagonal) 
     return std::pow(1 / (diagonals * diagonal), -length_power);
 }
 
-/// Below it a range shows rounding: the last digits of floats, derivatives of curvatures whose
-/// radii are 100 diagonals; or, of curvatures, what the fit makes of flat faces, which would look
-/// like a storm: radii of 2 diagonals.
-double least_range(const std::string& aov, int length_power, double diagonal) {
-    const double l = diagonal > 0 ? diagonal : 1;
+/// What the fit makes of flat faces, which would look like a storm: a radius of 2 diagonals at
+/// least, so that noise does not leave bent surfaces pale, and 40 at most, as single leaves make of
+/// exact faces beside edges (twelve_original: up to 70).
+double flat_curvature(const MapScale& scale) {
+    return std::clamp(scale.curvature_noise, 0.025 / scale.diagonal, 0.5 / scale.diagonal);
+}
+
+/// Below it a range shows rounding, the last digits of floats, derivatives of curvatures whose
+/// radii are 100 diagonals; or, of curvatures, what the fit makes of flat faces.
+double least_range(const std::string& aov, int length_power, const MapScale& scale) {
+    const double l = scale.diagonal > 0 ? scale.diagonal : 1;
     if (length_power > 0) return 1e-7 * l;
     if (length_power == 0) return 1e-7;
-    return curvature_of_radius(is_curvature(aov) && diagonal > 0 ? 2 : 100, length_power, l);
+    if (is_curvature(aov) && scale.diagonal > 0)
+        return std::pow(flat_curvature(scale), -length_power);
+    return curvature_of_radius(100, length_power, l);
 }
 
 /// Curvatures and their derivatives up to it are those of flat faces: radii of 10 diagonals and
-/// more. (Of scans a few in 100 pixels, of parts most: symmetric_range.)
-double flat_until(int length_power, double diagonal) {
-    return length_power < 0 && diagonal > 0 ? curvature_of_radius(10, length_power, diagonal) : 0;
+/// more, of curvatures no more than the fit makes of such. (Of scans a few in 100 pixels, of parts
+/// most: symmetric_range.)
+double flat_until(const std::string& aov, int length_power, const MapScale& scale) {
+    if (!(length_power < 0 && scale.diagonal > 0)) return 0;
+    const double flat = curvature_of_radius(10, length_power, scale.diagonal);
+    return is_curvature(aov) ? std::min(flat, std::pow(flat_curvature(scale), -length_power))
+                             : flat;
 }
 
 /// The Gauss curvature of a ball as bent as the surface is in the middle, by the mean curvature:
@@ -154,14 +166,15 @@ void check_ranges(const RenderConfig& config) {
 }
 
 ValueRange map_range(const RenderConfig& config, const std::string& aov,
-                     std::span<const float> values, const GBuffer& b, double diagonal) {
+                     std::span<const float> values, const GBuffer& b,
+                     const MapScale& scale) {
     const MapSpec& spec = *map_spec(aov);
     if (const auto fixed = fixed_range(config, aov)) return {fixed->lo, fixed->hi, spec.is_signed};
     if (aov == "depth") return full_range(values, b.hit);
-    double least = least_range(aov, spec.length_power, diagonal);
+    double least = least_range(aov, spec.length_power, scale);
     if (aov == "gauss") least = std::max(least, bent_as_a_ball(b.mean, b.hit));
     const ValueRange range = symmetric_range(values, b.hit, config.percentile, least,
-                                             flat_until(spec.length_power, diagonal));
+                                             flat_until(aov, spec.length_power, scale));
     return {spec.is_signed ? range.lo : 0, range.hi, spec.is_signed};
 }
 

@@ -23,16 +23,23 @@ struct MapSpec {
 /// error, coverage, truth_distance), else null.
 const MapSpec* map_spec(const std::string& aov);
 
+/// What the smallest range that is worth showing is measured by.
+struct MapScale {
+    double diagonal = 1;
+    double curvature_noise = 0;  ///< see curvature_noise.h
+};
+
 /// Range of an AOV: what --range fixes for it, else from the covered values (see symmetric_range;
 /// of curvatures and their derivatives, where most are flat, from the others: radii below 10
-/// diagonals). Of signed quantities it is about zero. `diagonal` scales the smallest range that is
-/// worth showing: curvatures of a radius of 2 diagonals, and of "gauss" the square of the middle
-/// mean curvature (half of its integral lies below), for which the frame holds that. Throws
-/// ConfigError on a bad --range.
+/// diagonals, of curvatures no gentler than the fit's own). Of signed quantities it is about zero.
+/// The smallest range of curvatures is what the fit makes of its noise, within radii of 40 and 2
+/// diagonals; of "gauss" it is at least the square of the middle mean curvature (half of its
+/// integral lies below), for which the frame holds that. Throws ConfigError on a bad --range.
 ///
 /// frame  its hits; the values are one for each of its pixels
 ValueRange map_range(const RenderConfig& config, const std::string& aov,
-                     std::span<const float> values, const GBuffer& frame, double diagonal);
+                     std::span<const float> values, const GBuffer& frame,
+                     const MapScale& scale);
 
 /// Throws ConfigError naming an entry of --range that is none, or is for an AOV that has no range.
 void check_ranges(const RenderConfig& config);

@@ -1,6 +1,8 @@
 #include "pipeline/render/render_reference.h"
 
 #include "pipeline/contains.h"
+#include "pipeline/render/curvature_noise.h"
+#include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_contours.h"
 #include "pipeline/render/render_frames.h"
 #include "pipeline/render/render_maps.h"
@@ -52,9 +54,21 @@ Camera camera_of_range(const RenderJob& job, const std::string& name) {
                        legend_room(config, job.plan.framed(), job.size));
 }
 
+/// Of several models what is known worst of one, where the others' flat faces are too.
+MapScale scale_of(const RenderJob& job, const std::vector<std::string>& aovs) {
+    MapScale scale{job.header().diagonal, 0};
+    if (std::none_of(aovs.begin(), aovs.end(), is_curvature)) return scale;
+    if (!job.traced) scale.curvature_noise = curvature_noise(job.tree);
+    else
+        for (const ScenePart& part : job.traced->parts())
+            scale.curvature_noise = std::max(scale.curvature_noise, curvature_noise(*part.tree));
+    return scale;
+}
+
 /// For each map the union of its ranges from all cameras of same_range.
 std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
-                                                    const std::vector<std::string>& aovs) {
+                                                    const std::vector<std::string>& aovs,
+                                                    const MapScale& scale) {
     std::map<std::string, ValueRange> ranges;
     if (aovs.empty()) return ranges;
     const Camera own = job.camera;
@@ -70,7 +84,7 @@ std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
             frame.truth_distance = truth_distances(config, job.tree.header().origin, frame.buffer);
         for (const std::string& aov : aovs) {
             if (!map_spec(aov)) continue;
-            const ValueRange range = range_of(config, aov, frame, job.header().diagonal);
+            const ValueRange range = range_of(config, aov, frame, scale);
             const auto [at, is_new] = ranges.emplace(aov, range);
             if (!is_new)
                 at->second.lo = std::min(at->second.lo, range.lo),
@@ -97,10 +111,11 @@ void choose_looks(RenderJob& job, Reporter& reporter) {
                 truth_distances(job.config, job.tree.header().origin, reference.buffer);
         if (has("hillshade")) choose_contours(job, reference, reporter);
     }
-    const auto wider = ranges_of_cameras(job, aovs);
+    const MapScale scale = scale_of(job, aovs);
+    const auto wider = ranges_of_cameras(job, aovs, scale);
     for (const std::string& aov : job.plan.drawn) {
         AovLook& look = job.looks[aov];
-        look = look_of(job.config, aov, reference, job.header().diagonal, job.contours,
+        look = look_of(job.config, aov, reference, scale, job.contours,
                        wider.contains(aov) ? &wider.at(aov) : nullptr);
         if (aov == "hillshade") look.heights = contour_heights(job, look, reference);
     }

@@ -115,10 +115,12 @@ private:
     }
 
     void put(const Place& p) {
-        const float turn =
-            EdgePoint{p.point, {}, {normalized(p.normal[0]), normalized(p.normal[1])}}.turn_deg();
+        const std::array<Vec3f, 2> n{normalized(p.normal[0]), normalized(p.normal[1])};
+        const float turn = EdgePoint{p.point, {}, n}.turn_deg();
+        const Vec3f to_eye =
+            to_float(s_.view.orthographic ? -s_.view.forward : normalized(s_.view.eye - p.point));
         seen_.push_back({static_cast<float>(p.x), static_cast<float>(p.y), to_float(p.point),
-                         static_cast<float>(1 / s_.diagonal), turn});
+                         std::min(dot(n[0], to_eye), dot(n[1], to_eye)), turn});
     }
 
     /// Whether a place is looked at in this band: each in one.

@@ -10,7 +10,8 @@ namespace slim {
 
 /// The feature lines of a view (NUMERICS 5.4): crossings on the edges between pixels, linked,
 /// selected and smoothed; kinds in the order asked for, lines of a kind as link_crossings gives
-/// them. Crest lines give way to creases, if both are asked for.
+/// them. Of kinds that are asked for together crest lines give way to creases, and each edge has
+/// one stroke (one_stroke.h).
 ///
 /// scene   a G-buffer of the whole picture with line_channels(kinds, degree)
 /// cost    O(pixels) per kind, parallel; the same lines for any number of threads

@@ -10,7 +10,8 @@ namespace slim {
 struct LinePoint {
     float x = 0, y = 0;  ///< picture, pixels; centres at +0.5
     Vec3f point;         ///< on the surface, frame of the job
-    float weight = 0;    ///< |k| there, 1 / length
+    float weight = 0;    ///< |k| there, 1 / length; of creases N.v of the face that is turned away
+                         ///< most
     float evidence = 0;  ///< see crossings.h
 };
 

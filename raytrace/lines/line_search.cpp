@@ -1,6 +1,7 @@
 #include "raytrace/lines/line_search.h"
 
 #include "raytrace/lines/crossings.h"
+#include "raytrace/lines/one_stroke.h"
 #include "raytrace/lines/parabolic_look.h"
 #include "raytrace/lines/select.h"
 #include "raytrace/lines/short_lines.h"
@@ -133,7 +134,7 @@ std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double 
     }
     std::vector<FeatureLine> lines = follow_links(points, links, kind);
     points = {}, links = {};
-    const float px = std::max(1.0f, static_cast<float>(std::min(width, height)) / 1000);
+    const float px = line_pixel(width, height);
     const LineRules rules = line_rules(kind, width, height);
     if (kind == LineKind::parabolic) look_across_parabolic(lines, around, diagonal, px);
     if (kind == LineKind::contour) lines = tidy_contours(std::move(lines), px);
@@ -207,7 +208,7 @@ std::vector<FeatureLine> LineSearch::finish(std::span<const FeatureLine> creases
             is_crease(kind) ? creases_[n_creases++].lines() : of[n_found++];
         out.insert(out.end(), lines.begin(), lines.end());
     }
-    return out;
+    return one_stroke(std::move(out), line_pixel(width_, height_));
 }
 
 }  // namespace slim

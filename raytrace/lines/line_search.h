@@ -33,7 +33,8 @@ public:
     void add(const LineScene& scene);
 
     /// The lines as extract_lines gives them, once all rows were added. What was found is gone
-    /// then. Crest lines give way to creases, those found elsewhere (`creases`) included.
+    /// then. Crest lines give way to creases, those found elsewhere (`creases`) included; each edge
+    /// has one stroke (one_stroke.h).
     std::vector<FeatureLine> finish(std::span<const FeatureLine> creases = {});
 
 private:

@@ -92,6 +92,10 @@ void spread(const std::vector<FeatureLine>& lines, const LineRules& rules,
 
 }  // namespace
 
+float line_pixel(int picture_width, int picture_height) {
+    return std::max(1.0f, static_cast<float>(std::min(picture_width, picture_height)) / 1000);
+}
+
 LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
     const float scale = static_cast<float>(std::min(picture_width, picture_height)) / 1000;
     const auto px = [&](float at_1000) { return std::max(4.0f, at_1000 * scale); };

@@ -24,6 +24,9 @@ struct LineRules {
     float loop_px = 0, loop_strength = 0;
 };
 
+/// A pixel of a picture 1000 high, in pixels; 1 at least.
+float line_pixel(int picture_width, int picture_height);
+
 /// The rules as found on scans (raytrace/lines/notes/0001). Lengths are those of a picture 1000
 /// pixels high and grow with it.
 LineRules line_rules(LineKind kind, int picture_width, int picture_height);

@@ -1,6 +1,7 @@
 #include "raytrace/lines/tidy.h"
 
 #include "raytrace/lines/join.h"
+#include "raytrace/lines/line_runs.h"
 #include "raytrace/lines/point_grid.h"
 #include "raytrace/lines/select.h"
 
@@ -17,63 +18,6 @@ constexpr float kClear = 0.5f;     ///< evidence
 constexpr float kUnclear = 12;     ///< pixels: an unclear part as long cuts a line
 constexpr float kBeside = 1.9f;    ///< pixels: lines so near are one
 constexpr float kCrossing = 5;     ///< pixels: lines that cross or meet are that near for so long
-
-/// Points [begin, end) of a line.
-struct Run {
-    std::size_t begin, end;
-};
-
-float length_of(const std::vector<LinePoint>& points, const Run& run) {
-    float px = 0;
-    for (std::size_t i = run.begin + 1; i < run.end; ++i)
-        px += std::hypot(points[i].x - points[i - 1].x, points[i].y - points[i - 1].y);
-    return px;
-}
-
-/// Runs of points that are all marked or all not, in their order.
-std::vector<Run> runs_of(const std::vector<std::uint8_t>& marked) {
-    std::vector<Run> runs;
-    for (std::size_t i = 0; i < marked.size(); ++i)
-        if (i == 0 || marked[i] != marked[i - 1])
-            runs.push_back({i, i + 1});
-        else
-            runs.back().end = i + 1;
-    return runs;
-}
-
-/// A loop is opened where a run of marked points begins, so that no run is cut in two at its seam.
-void open_at_mark(FeatureLine& line, std::vector<std::uint8_t>& marked) {
-    if (!line.closed) return;
-    std::ptrdiff_t first = 0;
-    const auto n = static_cast<std::ptrdiff_t>(marked.size());
-    const auto begins = [&](std::ptrdiff_t i) {
-        return marked[static_cast<std::size_t>(i)] != 0 &&
-               marked[static_cast<std::size_t>((i + n - 1) % n)] == 0;
-    };
-    while (first < n && !begins(first)) ++first;
-    if (first == n) return;
-    std::rotate(line.points.begin(), line.points.begin() + first, line.points.end());
-    std::rotate(marked.begin(), marked.begin() + first, marked.end());
-}
-
-/// What is left of a line without the runs that are marked;
-/// each rest takes `overlap` points of what it leaves.
-void add_unmarked(FeatureLine line, const std::vector<std::uint8_t>& marked, std::size_t overlap,
-                  std::vector<FeatureLine>& out) {
-    const std::vector<Run> runs = runs_of(marked);
-    if (runs.size() == 1 && !marked[0]) return out.push_back(std::move(line));
-    for (const Run& run : runs) {
-        if (marked[run.begin]) continue;
-        const std::size_t begin = run.begin - std::min(run.begin, overlap),
-                          end = std::min(marked.size(), run.end + overlap);
-        if (end - begin < 2) continue;
-        FeatureLine piece;
-        piece.kind = line.kind;
-        piece.points.assign(line.points.begin() + static_cast<std::ptrdiff_t>(begin),
-                            line.points.begin() + static_cast<std::ptrdiff_t>(end));
-        out.push_back(std::move(piece));
-    }
-}
 
 /// Takes unclear ends away, and unclear parts that are long.
 std::vector<FeatureLine> clear_parts(std::vector<FeatureLine> lines, float px) {

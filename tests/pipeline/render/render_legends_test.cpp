@@ -1,5 +1,6 @@
 #include "pipeline/render/render_stage.h"
 
+#include "pipeline/render/curvature_noise.h"
 #include "pipeline/render/render_look.h"
 #include "pipeline/render/render_maps.h"
 #include "pipeline/render/render_uses.h"
@@ -196,10 +197,10 @@ TEST(MapRange, OfFlatFacesAndCylindersIsNotThatOfTheFitsNoise) {
     const RenderConfig config;
     constexpr double kDiagonal = 50;
     const auto range = [&](const std::string& aov, const GBuffer& b) {
-        return map_range(config, aov, aov == "mean" ? b.mean : b.gauss, b, kDiagonal).hi;
+        return map_range(config, aov, aov == "mean" ? b.mean : b.gauss, b, {kDiagonal, 0.012}).hi;
     };
-    // Planes: radii of 5 diagonals where the fit is worst.
-    EXPECT_GE(range("mean", bent(0, 0, 0.004)), 0.5 / kDiagonal);
+    // Planes: radii of 5 diagonals where the fit is worst, as it says of itself.
+    EXPECT_GE(range("mean", bent(0, 0, 0.004)), 0.01);
     // Cylinders of radius 5: the Gauss curvature is 0, the noise of k2 a tenth of k1.
     const GBuffer cylinder = bent(0.2, 0, 0.02);
     EXPECT_GE(range("gauss", cylinder), 0.0099);
@@ -214,6 +215,46 @@ TEST(MapRange, OfFlatFacesAndCylindersIsNotThatOfTheFitsNoise) {
     EXPECT_NEAR(range("gauss", bent(0.2, 0.2, 0)), 0.04, 1e-6);
     GBuffer scan = bent(0.3, -0.2, 0.01);
     EXPECT_NEAR(range("gauss", scan), 0.06, 0.021);
+}
+
+TEST(MapRange, OfGentleSurfacesIsTheirsUnlessTheFitKnowsLess) {
+    const RenderConfig config;
+    constexpr double kDiagonal = 50, kDish = 0.05 / kDiagonal;  // of 20 diagonals
+    const auto range = [&](const std::string& aov, const GBuffer& b, double noise) {
+        return map_range(config, aov, aov == "mean" ? b.mean : b.gauss, b, {kDiagonal, noise}).hi *
+               kDiagonal * (aov == "mean" ? 1 : kDiagonal);
+    };
+    const GBuffer dish = bent(-kDish, -kDish, 0.1 * kDish);
+    EXPECT_NEAR(range("mean", dish, 0), 0.05, 0.011);
+    EXPECT_NEAR(range("mean", dish, 0.5 * kDish), 0.05, 0.011);
+    EXPECT_NEAR(range("gauss", dish, 0.5 * kDish), 0.0025, 0.0006);
+    EXPECT_NEAR(range("mean", bent(kDish, 0, 0), 0), 0.025, 1e-6);  // a bent plate
+    // Pixels of small leaves at its rim do not make it a flat face.
+    GBuffer rim = dish;
+    for (std::size_t i = 0; i < rim.n_pixels(); i += 50)
+        rim.mean[i] = 20 * static_cast<float>(kDish);
+    EXPECT_NEAR(range("mean", rim, 0.5 * kDish), 0.05, 0.011);
+    // What the fit does not know is pale, up to radii of 2 diagonals, as the noise of scans is not
+    // to change their ranges; beyond radii of 40 all is what leaves beside edges make.
+    EXPECT_NEAR(range("mean", dish, 3 * kDish), 0.15, 0.051);
+    EXPECT_NEAR(range("mean", dish, 100 * kDish), 0.5, 1e-6);
+    EXPECT_NEAR(range("mean", bent(1e-3 * kDish, 0, 0), 0), 0.025, 1e-6);
+}
+
+TEST(CurvatureNoise, IsThatOfTheMiddleLeafByItsResidualRadiusAndPoints) {
+    SurfelTreeData model;
+    const auto leaf = [](float error, float radius, std::uint32_t n, std::uint8_t flags = kLeaf) {
+        TreeNode node;
+        node.fit_error = error, node.bound_radius = radius, node.n_points = n, node.flags = flags;
+        return node;
+    };
+    EXPECT_EQ(curvature_noise(model.view()), 0);
+    model.nodes = {leaf(9, 1, 4, 0), leaf(0.01f, 2, 400), leaf(9, 0.1f, 4), leaf(9, 0.1f, 4),
+                   leaf(9, 5, 400, 0), leaf(9, 1, 0)};
+    EXPECT_NEAR(curvature_noise(model.view()), 140 * 0.01 / (4 * 20), 1e-6);
+    // Of two that share the surface the one that is known better.
+    model.nodes = {leaf(9, 1, 4, 0), leaf(0.01f, 2, 400), leaf(0.005f, 2.1f, 100)};
+    EXPECT_NEAR(curvature_noise(model.view()), 140 * 0.005 / (2.1 * 2.1 * 10), 1e-5);
 }
 
 }  // namespace

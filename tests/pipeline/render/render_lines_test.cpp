@@ -134,7 +134,17 @@ TEST_F(RenderLines, AloneCreasesOfASharpModelAreAmongThem) {
     write_model(file("m.slim"), test::flat_tree(test::cube_leaves(), 2), "{}");
     RenderConfig c = lines("a.png", {});
     c.aov = {"lines"}, c.camera = "iso";
-    EXPECT_EQ(run(c)["lines"]["convex_crease"]["polylines"], 9);
+    // Six of the nine that are seen are the outline, which is one line.
+    const auto result = run(c);
+    EXPECT_EQ(result["lines"]["convex_crease"]["polylines"], 3);
+    EXPECT_EQ(result["lines"]["contour"]["polylines"], 1);
+    // Of two models as well.
+    c.add = {file("n.slim")}, c.mode = "raytrace";
+    SurfelTreeData beside = test::flat_tree(test::cube_leaves(), 2);
+    beside.header.origin = {40, 0, 0};
+    write_model(file("n.slim"), beside, "{}");
+    c.camera = "30,40,50,0,0,0,0,0,1", c.ortho_width = 4;
+    EXPECT_EQ(run(c)["lines"]["convex_crease"]["polylines"], 3);
 }
 
 TEST_F(RenderLines, CreasesOfSeveralModelsAreHiddenByAll) {

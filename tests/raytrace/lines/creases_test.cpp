@@ -289,6 +289,30 @@ TEST(Creases, TakeTheirEdgesFromCrestLines) {
     EXPECT_TRUE(ridges.finish(creases.finish()).empty());
 }
 
+TEST(Creases, AndContoursAreOneStrokeForEachEdge) {
+    const SurfelTreeData model = flat_tree(cube_leaves(), 2);
+    const auto edges = trace_sharp_edges(model.view(), false);
+    const Camera camera = camera_at({3, 4, 5});
+    const auto both =
+        drawn(model, edges, camera, false, {LineKind::convex_crease, LineKind::contour}).lines;
+    // All edges of a cube that are seen are creases: together they are drawn once.
+    EXPECT_NEAR(length_px(both), length_px(drawn(model, edges, camera).lines), 12);
+    std::size_t n_outlines = 0;
+    for (const FeatureLine& line : both) {
+        if (line.kind != LineKind::contour) continue;
+        ++n_outlines;
+        EXPECT_TRUE(line.closed);
+        for (const LinePoint& p : line.points) {
+            double off = 1e9;
+            for (const CubeEdge& edge : cube_edges())
+                off = std::min(
+                    off, off_segment(p, pixel_of(camera, edge.a), pixel_of(camera, edge.b)));
+            EXPECT_LT(off, 0.1);  // contours from pixels: 0.5
+        }
+    }
+    EXPECT_EQ(n_outlines, 1u);
+}
+
 /// The cube, and one beside it whose edges no sharp leaf has: only the picture shows them,
 /// as crest lines.
 std::vector<Surfel> cube_beside_a_plain_one() {
@@ -309,7 +333,7 @@ TEST(Creases, AndCrestLinesAreTheSameInBandsOfRows) {
     const auto edges = trace_sharp_edges(model.view(), false);
     const Camera camera = camera_at({5, 6, 7});
     const std::vector<LineKind> kinds{LineKind::valley, LineKind::ridge, LineKind::convex_crease,
-                                      LineKind::concave_crease};
+                                      LineKind::concave_crease, LineKind::contour};
     const auto length_of = [&](const std::vector<FeatureLine>& lines, LineKind kind) {
         double sum = 0;
         for (const FeatureLine& line : lines)
