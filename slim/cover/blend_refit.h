@@ -22,9 +22,10 @@ struct BlendResidual {
 /// 1977): a polynomial of the leaf's own degree to off() over its ball under G, added to its own,
 /// less the share of it that chance explains. What neighbours err alike shrinks; what single points
 /// err stays. fit_error grows by what a leaf is moved off its own points; sharp leaves stay as they
-/// are. residuals: of the block's points. Returns how many leaves moved; the same for any number of
-/// threads. Cost: a visit a point and ball that holds it, a fit a leaf.
+/// are. residuals: of the block's points; `moved`, of as many or empty, takes what is to be added
+/// to their heights. Returns how many leaves moved; the same for any number of threads.
+/// Cost: a visit a point and ball that holds it, a fit a leaf.
 std::size_t refit_to_blend(const PointTree& points, std::span<const BlendResidual> residuals,
-                           std::span<FittedSurfel> leaves);
+                           std::span<FittedSurfel> leaves, std::span<float> moved = {});
 
 }  // namespace slim

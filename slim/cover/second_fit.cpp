@@ -1,7 +1,5 @@
 #include "slim/cover/second_fit.h"
 
-#include "slim/model/rim.h"
-
 namespace slim {
 namespace {
 
@@ -10,26 +8,42 @@ constexpr std::size_t kPiece = 1024;  // leaves that wait together
 }  // namespace
 
 void SecondFit::blend(const CoveringSurfel& leaf) {
-    const Surfel& s = leaf.fitted.surfel;
-    const auto rho = static_cast<float>(s.support_radius);
     for (const Covered& p : leaf.covered) {
-        const float weight = p.weight * static_cast<float>(rim_share(s.rims, p.u, p.v));
-        blend_[p.point].weight += weight;
-        blend_[p.point].height += weight * p.off * rho;
+        const LeafShare share = leaf_share(leaf.fitted.surfel, p);
+        blend_[p.point].weight += share.weight;
+        blend_[p.point].height += share.height;
+        if (share.is_drawn && n_drawn_[p.point] < 255) ++n_drawn_[p.point];
     }
 }
 
 /// In pieces: an array that doubles would take the memory of the points.
-void SecondFit::wait(const FittedSurfel& leaf) {
+void SecondFit::wait(const CoveringSurfel& leaf, std::uint32_t center) {
+    centers_.push_back(center);
+    counted_.push_back(count_of(leaf));
     if (waiting_.empty() || waiting_.back().size() == kPiece)
         waiting_.emplace_back().reserve(kPiece);
-    waiting_.back().push_back(leaf);
+    waiting_.back().push_back(leaf.fitted);
 }
 
+void SecondFit::remove(const PointTree& points, const NeedlessRules& rules,
+                       const CountedVisit& removed) {
+    remove_needless(points, rules, centers_, blend_, n_drawn_, waiting_,
+                    [&](const FittedSurfel& leaf, std::size_t number) {
+                        removed(leaf, counted_[number]);
+                    });
+    std::vector<LeafCount>().swap(counted_);
+    std::vector<std::uint32_t>().swap(centers_);
+    std::vector<std::uint8_t>().swap(n_drawn_);
+}
+
+/// What the first fits leave over is known once all are made: the order of leaves says nothing.
 std::size_t SecondFit::run(const PointTree& points) {
+    std::vector<float> moves(blend_.size());
     std::size_t moved = 0;
     for (std::vector<FittedSurfel>& leaves : waiting_)
-        moved += refit_to_blend(points, blend_, leaves);
+        moved += refit_to_blend(points, blend_, leaves, moves);
+    for (std::size_t i = 0; i < moves.size(); ++i) blend_[i].height += moves[i];
+    for (std::vector<FittedSurfel>& leaves : waiting_) refit_to_blend(points, blend_, leaves);
     std::vector<BlendResidual>().swap(blend_);
     return moved;
 }
