@@ -78,7 +78,9 @@ TEST(BlendRefit, OnlyPolynomialsAndErrorsChange) {
         other.surfel.polynomial = a[i].surfel.polynomial, other.fit_error = a[i].fit_error;
         EXPECT_TRUE(same(a[i], other)) << i;
     }
-    EXPECT_EQ(moved, p.twice.counts.refitted);
+    // some only the second time
+    EXPECT_GE(moved, p.twice.counts.refitted);
+    EXPECT_LT(moved, 1.1 * static_cast<double>(p.twice.counts.refitted));
 }
 
 TEST(BlendRefit, IsTheSameForAnyNumberOfThreads) {
