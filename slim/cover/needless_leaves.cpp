@@ -103,7 +103,8 @@ std::vector<Needless> candidates_of(const Removal& removal, const Pieces& leaves
                 if (removal.center_needs(leaf.surfel, centers[before + i])) continue;
                 std::vector<LeafShare> shares = removal.shares_of(leaf, balls.local());
                 const auto worse = removal.worse_without(leaf.surfel, shares);
-                if (worse) found[i] = {piece, i, before + i, leaf.point_id, *worse, std::move(shares)};
+                if (!worse) continue;
+                found[i] = {piece, i, before + i, leaf.point_id, *worse, std::move(shares)};
             }
         });
         for (std::optional<Needless>& f : found)
