@@ -23,6 +23,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"refitted", c.refitted},
             {"own", c.own},
             {"gaps_closed", c.gaps},
+            {"needless", c.needless},
             {"recentred", c.recentred},
             {"sharp_edges", c.sharp_edges},
             {"sharp_corners", c.sharp_corners},

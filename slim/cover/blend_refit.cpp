@@ -3,12 +3,15 @@
 #include "slim/base/parallel.h"
 #include "slim/fit/ball_points.h"
 #include "slim/fit/local_fit.h"
+#include "slim/model/rim.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -58,8 +61,31 @@ Belief believed(const LocalFit& fit, double radius, double mean_square) {
     return {explained, std::max(0.0, 1 - kChance * k * rest / (fit.n_effective * explained))};
 }
 
+/// By how much a leaf's move changes BlendResidual::height at a point.
+struct HeightMove {
+    std::uint32_t point;
+    float height;
+};
+
+/// What a leaf's move by share * polynomial does at the ball's points that are part of its surface.
+std::vector<HeightMove> height_moves(const PointTree& points, const Surfel& s, double share,
+                                     const Polynomial<double>& polynomial,
+                                     const BallPoints<double>& ball) {
+    std::vector<HeightMove> out;
+    out.reserve(ball.n);
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        if (!(ball.sq[i] < 1)) continue;
+        const Vec3d x = s.frame.local_from_world({ball.x[i], ball.y[i], ball.z[i]});
+        const double weight = weight_kernel(ball.sq[i]) * rim_share(s.rims, x.x, x.y);
+        const double up = share * polynomial.value(x.x, x.y) * s.support_radius;
+        out.push_back({points.source(ball.index[i]), static_cast<float>(-weight * up)});
+    }
+    return out;
+}
+
+/// moves: filled in unless null.
 bool refit(const PointTree& points, std::span<const BlendResidual> residuals, FittedSurfel& leaf,
-           BallPoints<double>& ball) {
+           BallPoints<double>& ball, std::vector<HeightMove>* moves) {
     Surfel& s = leaf.surfel;
     if (s.sharp || s.degree < 1) return false;
     gather_ball(points, s.center, s.support_radius, ball);
@@ -73,6 +99,7 @@ bool refit(const PointTree& points, std::span<const BlendResidual> residuals, Fi
         moved.a[k] += belief.share * fit.polynomial.a[k];
     if (too_steep(moved)) return false;
     s.polynomial = moved;
+    if (moves) *moves = height_moves(points, s, belief.share, fit.polynomial, ball);
     // Its own residuals are orthogonal to what it may move by.
     leaf.fit_error =
         std::hypot(leaf.fit_error, belief.share * std::sqrt(belief.explained) * s.support_radius);
@@ -82,13 +109,20 @@ bool refit(const PointTree& points, std::span<const BlendResidual> residuals, Fi
 }  // namespace
 
 std::size_t refit_to_blend(const PointTree& points, std::span<const BlendResidual> residuals,
-                           std::span<FittedSurfel* const> leaves) {
+                           std::span<FittedSurfel* const> leaves, std::span<float> moved) {
+    std::vector<std::vector<HeightMove>> moves(moved.empty() ? 0 : leaves.size());
     tbb::enumerable_thread_specific<BallPoints<double>> balls;
     std::atomic<std::size_t> n_moved = 0;
     parallel_blocks(leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            n_moved += refit(points, residuals, *leaves[i], balls.local()) ? 1u : 0u;
+            n_moved += refit(points, residuals, *leaves[i], balls.local(),
+                             moves.empty() ? nullptr : &moves[i])
+                           ? 1u
+                           : 0u;
     });
+    // one after the other: sums do not depend on threads
+    for (const std::vector<HeightMove>& of_leaf : moves)
+        for (const HeightMove& m : of_leaf) moved[m.point] += m.height;
     return n_moved;
 }
 

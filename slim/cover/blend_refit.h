@@ -22,10 +22,12 @@ struct BlendResidual {
 /// 1977): a polynomial of the leaf's own degree to off() over its ball under G, added to its own,
 /// less the share of it that chance explains. What neighbours err alike shrinks; what single points
 /// err stays. fit_error grows by what a leaf is moved off its own points; sharp leaves stay as they
-/// are. residuals: of the block's points. Returns how many leaves moved; the same for any order of
-/// the leaves and any number of threads. Cost: a visit a point and ball that holds it, a fit a
-/// leaf; less where leaves that follow each other lie together.
+/// are. residuals: of the block's points; `moved`, of as many or empty, takes what is to be added
+/// to their heights. Returns how many leaves moved; the same for any number of threads, and but for
+/// the rounding of `moved` for any order of the leaves. Cost: a visit a point and ball that holds
+/// it, a fit a leaf; less where leaves that follow each other lie together. With `moved` 8 bytes a
+/// point of each of the balls.
 std::size_t refit_to_blend(const PointTree& points, std::span<const BlendResidual> residuals,
-                           std::span<FittedSurfel* const> leaves);
+                           std::span<FittedSurfel* const> leaves, std::span<float> moved = {});
 
 }  // namespace slim

@@ -8,6 +8,14 @@
 
 namespace slim {
 
+/// What is counted of a leaf and a model does not keep.
+struct LeafCount {
+    Fallback fallback;
+    bool normals_disagree, two_layers;
+};
+
+LeafCount count_of(const CoveringSurfel& leaf);
+
 /// Counts of what happened, each fallback by cause.
 struct CoverCounts {
     std::uint64_t leaves = 0, internals = 0, levels = 0;
@@ -20,6 +28,7 @@ struct CoverCounts {
     std::uint64_t isolated = 0;     ///< strays, with too few neighbours about rho_0: dropped
     std::uint64_t sharp_edges = 0, sharp_corners = 0;  ///< leaves of two sheets, and of more
     std::uint64_t sharp_rungs = 0;  ///< balls that were tried with more than one sheet
+    std::uint64_t needless = 0;     ///< leaves taken away again, as others do without them
     std::uint64_t refitted = 0;     ///< leaves moved by the second fit (those of the halo too)
     std::uint64_t own = 0;          ///< leaves of single points that all others passed by, some of
                                     ///< them unexplained or beside
@@ -31,6 +40,8 @@ struct CoverCounts {
 
     /// Adds a leaf by its flags, sheets, degree and fallback.
     void add_leaf(const CoveringSurfel& leaf);
+    /// Takes back what add_leaf() and the limited ones' count added, of a leaf that is needless.
+    void take_back(const FittedSurfel& leaf, const LeafCount& count);
     CoverCounts& operator+=(const CoverCounts& b);
 };
 

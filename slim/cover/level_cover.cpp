@@ -245,7 +245,8 @@ void LevelCover::settle_aside(std::vector<CoverCandidate>& batch, std::size_t n)
 /// memory given back.
 void LevelCover::settle(std::vector<CoverCandidate>& batch) {
     for (const CoverCandidate& c : batch) {
-        if (c.is_accepted && rules_.fits_again()) second_.blend(c.surfel);
+        if (c.is_accepted && rules_.fits_again())
+            second_.blend(c.surfel, owns(c.surfel.fitted.surfel.center));
         if (c.is_kept) of_leaves_.add_leaf(c.surfel);
     }
     batch.clear();

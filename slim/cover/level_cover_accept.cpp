@@ -63,7 +63,7 @@ void LevelCover::mark_again(std::span<const FittedSurfel> leaves) {
     });
     for (const CoveringSurfel& leaf : covering) {
         mark(leaf);
-        if (rules_.fits_again()) second_.blend(leaf);
+        if (rules_.fits_again()) second_.blend(leaf, true);
     }
 }
 
@@ -112,7 +112,7 @@ void LevelCover::accept_leaf(CoverCandidate& c, int level) {
     states_.close(c.point);
     mark(c.surfel);
     c.is_accepted = true;
-    if (rules_.fits_again()) second_.wait(f);
+    if (rules_.fits_again()) second_.wait(c.surfel, c.center);
     else if (closes_gaps())
         known_.push_back(f);
     if (!is_kept(f)) return;
@@ -125,6 +125,11 @@ void LevelCover::accept_leaf(CoverCandidate& c, int level) {
 /// Once all leaves are known. Those of coarse levels, of whose points a slice sees a part only,
 /// stay as they are.
 void LevelCover::finish_leaves() {
+    if (rules_.fits_again())
+        second_.remove(pyramid_.all(), needless_rules(rules_, leaves_.spacing()),
+                       [&](const FittedSurfel& leaf, const LeafCount& count) {
+                           if (is_kept(leaf)) out_.counts.take_back(leaf, count);
+                       });
     out_.counts.refitted += second_.run(pyramid_.all());
     const auto own = own_leaves(
         pyramid_.all(), block_, rules_, leaves_,

@@ -1,9 +1,9 @@
 #include "slim/cover/second_fit.h"
 
 #include "slim/cover/leaves_along_curve.h"
-#include "slim/model/rim.h"
 
 #include <algorithm>
+#include <span>
 
 namespace slim {
 namespace {
@@ -12,35 +12,52 @@ constexpr std::size_t kPiece = 1024;  // leaves that wait together
 
 }  // namespace
 
-void SecondFit::blend(const CoveringSurfel& leaf) {
-    const Surfel& s = leaf.fitted.surfel;
-    const auto rho = static_cast<float>(s.support_radius);
-    const Rim first = unpack_rim(s.rims.first), second = unpack_rim(s.rims.second);
-    const bool is_whole = !s.rims.any();
+void SecondFit::blend(const CoveringSurfel& leaf, bool stays) {
+    const LeafShares shares(leaf.fitted.surfel);
     for (const Covered& p : leaf.covered) {
-        const double share =
-            is_whole ? 1 : std::min(rim_share(first, p.u, p.v), rim_share(second, p.u, p.v));
-        const float weight = p.weight * static_cast<float>(share);
-        blend_[p.point].weight += weight;
-        blend_[p.point].height += weight * p.off * rho;
+        const LeafShare share = shares.of(p);
+        blend_[p.point].weight += share.weight;
+        blend_[p.point].height += share.height;
+        if (stays && share.is_drawn && n_drawn_[p.point] < 255) ++n_drawn_[p.point];
     }
 }
 
 /// In pieces: an array that doubles would take the memory of the points.
-void SecondFit::wait(const FittedSurfel& leaf) {
+void SecondFit::wait(const CoveringSurfel& leaf, std::uint32_t center) {
+    centers_.push_back(center);
+    counted_.push_back(count_of(leaf));
     if (waiting_.empty() || waiting_.back().size() == kPiece)
         waiting_.emplace_back().reserve(kPiece);
-    waiting_.back().push_back(leaf);
+    waiting_.back().push_back(leaf.fitted);
 }
 
+void SecondFit::remove(const PointTree& points, const NeedlessRules& rules,
+                       const CountedVisit& removed) {
+    remove_needless(points, rules, centers_, blend_, n_drawn_, waiting_,
+                    [&](const FittedSurfel& leaf, std::size_t number) {
+                        removed(leaf, counted_[number]);
+                    });
+    std::vector<LeafCount>().swap(counted_);
+    std::vector<std::uint32_t>().swap(centers_);
+    std::vector<std::uint8_t>().swap(n_drawn_);
+}
+
+/// What the first fits leave over is known once all are made: the order of leaves says nothing.
 std::size_t SecondFit::run(const PointTree& points) {
-    std::vector<FittedSurfel*> leaves;
+    std::vector<FittedSurfel*> waiting;
     for (std::vector<FittedSurfel>& piece : waiting_)
-        for (FittedSurfel& leaf : piece) leaves.push_back(&leaf);
-    const std::size_t moved = refit_to_blend(
-        points, blend_, leaves_along_curve(leaves, [](const FittedSurfel& leaf) -> const Surfel& {
-            return leaf.surfel;
-        }));
+        for (FittedSurfel& leaf : piece) waiting.push_back(&leaf);
+    const std::vector<FittedSurfel*> leaves = leaves_along_curve(
+        waiting, [](const FittedSurfel& leaf) -> const Surfel& { return leaf.surfel; });
+    std::vector<float> moves(blend_.size());
+    std::size_t moved = 0;
+    for (std::span<FittedSurfel* const> rest(leaves); !rest.empty();) {
+        const auto piece = rest.first(std::min(kPiece, rest.size()));
+        moved += refit_to_blend(points, blend_, piece, moves);
+        rest = rest.subspan(piece.size());
+    }
+    for (std::size_t i = 0; i < moves.size(); ++i) blend_[i].height += moves[i];
+    refit_to_blend(points, blend_, leaves);
     std::vector<BlendResidual>().swap(blend_);
     return moved;
 }

@@ -1,27 +1,36 @@
 #pragma once
 
 #include "slim/cover/blend_refit.h"
+#include "slim/cover/cover_counts.h"
+#include "slim/cover/needless_leaves.h"
 #include "slim/cover/surfel_fit.h"
 #include "slim/model/fitted_surfel.h"
 #include "slim/neighbors/point_tree.h"
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace slim {
+
+using CountedVisit = std::function<void(const FittedSurfel&, const LeafCount&)>;
 
 /// Leaves that wait until all are known to be fitted a second time, and what their blend leaves
 /// over (blend_refit.h).
 class SecondFit {
 public:
     /// Of so many points.
-    explicit SecondFit(std::size_t n_points) : blend_(n_points) {}
+    explicit SecondFit(std::size_t n_points) : blend_(n_points), n_drawn_(n_points) {}
 
-    /// Adds a leaf to what the blend leaves over at its points:
-    /// those that are not fitted again too.
-    void blend(const CoveringSurfel& leaf);
-    void wait(const FittedSurfel& leaf);
-    /// Fits all that wait; returns how many moved.
+    /// Adds a leaf to what the blend leaves over at its points: those that are not fitted again too.
+    /// stays: no other slice may find it needless.
+    void blend(const CoveringSurfel& leaf, bool stays);
+    /// center: its place in the block.
+    void wait(const CoveringSurfel& leaf, std::uint32_t center);
+    /// Takes needless leaves away from those that wait (remove_needless) and hands them over.
+    void remove(const PointTree& points, const NeedlessRules& rules, const CountedVisit& removed);
+    /// Fits all that wait, twice; returns how many moved at first.
     std::size_t run(const PointTree& points);
     /// Those that wait, in their order.
     template <class Visit>
@@ -41,6 +50,9 @@ public:
 
 private:
     std::vector<BlendResidual> blend_;
+    std::vector<std::uint8_t> n_drawn_;  // leaves that draw a point and stay, 255 at most
+    std::vector<std::uint32_t> centers_;  // of those that wait
+    std::vector<LeafCount> counted_;      // likewise
     std::vector<std::vector<FittedSurfel>> waiting_;
 };
 
