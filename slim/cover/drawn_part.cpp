@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace slim {
 namespace {
@@ -34,6 +35,25 @@ Vec3d place_beyond(const Surfel& s, double u, double v) {
     if (length > kHitTrim) r *= kHitTrim / length;
     r += kBeyond;
     return s.frame.world_from_local({r * u, r * v, s.polynomial.value(r * u, r * v)});
+}
+
+std::vector<Vec3d> drawn_places(const Surfel& s) {
+    constexpr int kRings = 4, kMore = 6;  // of a ring than of the one within
+    std::vector<Vec3d> out{s.center +
+                           s.frame.normal * (s.polynomial.value(0, 0) * s.support_radius)};
+    for (int ring = 1; ring <= kRings; ++ring)
+        for (int k = 0; k < ring * kMore; ++k) {
+            const double angle = 2 * std::numbers::pi * k / (ring * kMore);
+            const Vec3d rim = place_beyond(s, std::cos(angle), std::sin(angle));
+            // the outermost ring stands just within what place_beyond() is without
+            const Vec3d flat = s.frame.local_from_world(rim);
+            const double r = std::hypot(flat.x, flat.y) - 2 * kBeyond,
+                         share = std::max(0.0, r) * ring / kRings;
+            const double u = share * std::cos(angle), v = share * std::sin(angle);
+            const Vec3d local{u, v, s.polynomial.value(u, v)};
+            out.push_back(s.center + s.frame.world_from_local(local) * s.support_radius);
+        }
+    return out;
 }
 
 bool is_drawn_at(const Surfel& s, const Vec3d& x, const Vec3d& normal) {

@@ -29,16 +29,6 @@ constexpr std::size_t kLeast = 5;     // of them on its sheet
 constexpr double kOff = 0.6;          // times the points' spacing: off the leaf's sheet
 constexpr double kWidest = 0.8 * std::numbers::pi;  // between directions to points on all sides
 
-/// Those of the others whose balls meet the box of some leaves' balls.
-LeafBalls meeting(std::span<const Surfel* const> leaves, const LeafBalls& others) {
-    Bbox box;
-    for (const Surfel* s : leaves) {
-        const Vec3d r{s->support_radius, s->support_radius, s->support_radius};
-        box.extend(s->center - r), box.extend(s->center + r);
-    }
-    return others.meeting(box);
-}
-
 /// The widest angle between directions that follow each other; sorts them. angles: at least one
 double widest_between(std::vector<double>& angles) {
     std::sort(angles.begin(), angles.end());

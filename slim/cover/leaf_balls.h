@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace slim {
@@ -75,5 +76,15 @@ private:
     UnfilledVector<std::uint32_t> index_;  // in `leaves_`
     std::size_t n_ = 0;
 };
+
+/// Those of the others whose balls meet the box of some leaves' balls.
+inline LeafBalls meeting(std::span<const Surfel* const> leaves, const LeafBalls& others) {
+    Bbox box;
+    for (const Surfel* s : leaves) {
+        const Vec3d r{s->support_radius, s->support_radius, s->support_radius};
+        box.extend(s->center - r), box.extend(s->center + r);
+    }
+    return others.meeting(box);
+}
 
 }  // namespace slim

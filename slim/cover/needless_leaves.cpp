@@ -1,6 +1,9 @@
 #include "slim/cover/needless_leaves.h"
 
 #include "slim/base/parallel.h"
+#include "slim/cover/drawn_part.h"
+#include "slim/cover/leaf_balls.h"
+#include "slim/cover/leaves_along_curve.h"
 #include "slim/cover/surfel_fit.h"
 #include "slim/fit/mdl_energy.h"
 #include "slim/model/rim.h"
@@ -12,6 +15,7 @@
 #include <cstddef>
 #include <optional>
 #include <tuple>
+#include <unordered_set>
 #include <utility>
 
 namespace slim {
@@ -24,6 +28,7 @@ constexpr double kPriceShare = 0.15;
 /// whose normals are poor.
 constexpr float kLeastWeight = 0.06f;
 constexpr double kNotTooFar = 0.5;  // of what no point may be off
+constexpr double kSameSide = 0.5;   // cosine of normals of leaves that stand in for each other
 
 /// A leaf that the others may do without.
 struct Needless {
@@ -32,6 +37,33 @@ struct Needless {
     std::uint64_t id;          // of its point
     double worse;
     std::vector<LeafShare> shares;
+    std::vector<const Surfel*> near;  // others that may draw what it draws
+};
+
+using Leaves = std::vector<const Surfel*>;
+
+/// What is drawn by leaves while some of them go.
+class Drawn {
+public:
+    /// Whether others that are left draw all that a leaf draws, its neighbours among them.
+    bool is_drawn_by_others(const Surfel& leaf, const Leaves& near) const {
+        const Surfel* last = nullptr;  // that drew a place: the next one is mostly its, too
+        for (const Vec3d& place : drawn_places(leaf)) {
+            const auto draws = [&](const Surfel* t) {
+                return dot(t->frame.normal, leaf.frame.normal) > kSameSide &&
+                       is_drawn_at(*t, place, leaf.frame.normal) && !gone_.contains(t);
+            };
+            if (last && draws(last)) continue;
+            const auto found = std::find_if(near.begin(), near.end(), draws);
+            if (found == near.end()) return false;
+            last = *found;
+        }
+        return true;
+    }
+    void remove(const Surfel& leaf) { gone_.insert(&leaf); }
+
+private:
+    std::unordered_set<const Surfel*> gone_;
 };
 
 class Removal {
@@ -108,7 +140,7 @@ std::vector<Needless> candidates_of(const Removal& removal, const NeedlessRules&
                 std::vector<LeafShare> shares = removal.shares_of(leaf, balls.local());
                 const auto worse = removal.worse_without(leaf.surfel, shares);
                 if (!worse) continue;
-                found[i] = {piece, i, before + i, leaf.point_id, *worse, std::move(shares)};
+                found[i] = {piece, i, before + i, leaf.point_id, *worse, std::move(shares), {}};
             }
         });
         for (std::optional<Needless>& f : found)
@@ -120,7 +152,49 @@ std::vector<Needless> candidates_of(const Removal& removal, const NeedlessRules&
     return out;
 }
 
+/// Fills the neighbours of some candidates that lie together, of leaves that may be relied on.
+void find_near(std::span<Needless* const> some, const Pieces& leaves, const LeafBalls& others) {
+    constexpr std::size_t kTogether = 4;
+    Leaves surfels;
+    for (const Needless* c : some) surfels.push_back(&leaves[c->piece][c->index].surfel);
+    const LeafBalls near = meeting(surfels, others);
+    if (some.size() > kTogether) {
+        const std::size_t half = some.size() / 2;
+        find_near(some.first(half), leaves, near);
+        return find_near(some.subspan(half), leaves, near);
+    }
+    for (std::size_t k = 0; k < some.size(); ++k)
+        for (std::size_t i = 0; i < near.size(); ++i) {
+            const double reach = surfels[k]->support_radius + near[i]->support_radius;
+            if (near[i] != surfels[k] &&
+                sq_length(near[i]->center - surfels[k]->center) < reach * reach)
+                some[k]->near.push_back(near[i]);
+        }
+}
+
+/// The same of all candidates.
+void find_neighbours(std::vector<Needless>& candidates, const NeedlessRules& rules,
+                     const Pieces& leaves) {
+    Leaves stay;
+    for (const std::vector<FittedSurfel>& piece : leaves)
+        for (const FittedSurfel& leaf : piece)
+            if (!rules.owns || rules.owns(leaf.surfel.center)) stay.push_back(&leaf.surfel);
+    std::vector<Needless*> some;
+    for (Needless& c : candidates) some.push_back(&c);
+    const auto along = leaves_along_curve(some, [&](const Needless& c) -> const Surfel& {
+        return leaves[c.piece][c.index].surfel;
+    });
+    if (!along.empty()) find_near(along, leaves, LeafBalls(stay));
+}
+
 }  // namespace
+
+bool may_be_needless(const CoverRules& rules, double spacing) {
+    // of clouds that are fitted again clean ones have up to 0.056 (julius_original, iron_scan), a
+    // cylinder with noise 5e-4 L 0.085
+    constexpr double kNoisy = 0.07;  // sqrt(lambda) of a typical place over the spacing
+    return rules.fits_again() && rules.typical_variance <= kNoisy * kNoisy * spacing * spacing;
+}
 
 NeedlessRules needless_rules(const CoverRules& rules, double spacing) {
     // E is of a unit of area, of which the points have spacing^2 each; its price times rho^2, about
@@ -137,11 +211,17 @@ void remove_needless(const PointTree& points, const NeedlessRules& rules,
     std::vector<std::vector<bool>> gone(leaves.size());
     for (std::size_t piece = 0; piece < leaves.size(); ++piece)
         gone[piece].resize(leaves[piece].size());
+    std::vector<Needless> candidates = candidates_of(removal, rules, leaves, centers);
+    find_neighbours(candidates, rules, leaves);
+    Drawn drawn;
     // Each is asked again: what went before it is missing now.
-    for (const Needless& c : candidates_of(removal, rules, leaves, centers)) {
+    for (const Needless& c : candidates) {
         const FittedSurfel& leaf = leaves[c.piece][c.index];
-        if (!removal.worse_without(leaf.surfel, c.shares)) continue;
+        if (!removal.worse_without(leaf.surfel, c.shares) ||
+            !drawn.is_drawn_by_others(leaf.surfel, c.near))
+            continue;
         removal.remove(c.shares);
+        drawn.remove(leaf.surfel);
         removed(leaf, c.number);
         gone[c.piece][c.index] = true;
     }

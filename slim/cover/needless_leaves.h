@@ -53,10 +53,14 @@ struct NeedlessRules {
     std::function<bool(const Vec3d&)> owns = {};
 };
 
+/// Whether leaves may be needless: not where points are noisy, as the more leaves a point has the
+/// less of its noise is left in curvature. spacing: of the job's points, length.
+bool may_be_needless(const CoverRules& rules, double spacing);
+
 /// Sees a leaf and its number among all.
 using NumberedVisit = std::function<void(const FittedSurfel&, std::size_t)>;
 
-/// spacing: of the job's points, length.
+/// spacing: as above.
 NeedlessRules needless_rules(const CoverRules& rules, double spacing);
 
 /// Takes smooth leaves away without which every point is still drawn, under enough weight, and the

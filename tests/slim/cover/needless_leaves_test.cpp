@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 namespace slim::test {
@@ -137,6 +138,16 @@ TEST(NeedlessLeaves, StayWhereTheBlendWouldBeWorse) {
     t.rules.most_worse = 1e-6;
     t.remove();
     EXPECT_EQ(std::count(t.removed.begin(), t.removed.end(), right), 0);
+}
+
+// False parabolic lines ran over a noisy cylinder of cubics without them.
+TEST(NeedlessLeaves, AreNoneWherePointsAreNoisy) {
+    const PointBlock block = block_of(sampled("torus", 5000));
+    CoverRules rules = rules_for(block, 0.02);
+    rules.refits = true;
+    EXPECT_GT(cover(block, rules).counts.needless, 0u);
+    rules.typical_variance = 0.1 * 0.1 * (4 * std::numbers::pi * std::numbers::pi * 0.35) / 5000;
+    EXPECT_EQ(cover(block, rules).counts.needless, 0u);
 }
 
 TEST(NeedlessLeaves, CountsAreOfThoseThatStay) {
