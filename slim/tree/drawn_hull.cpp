@@ -106,6 +106,8 @@ private:
 
 /// Leaves side by side in the file, which are near each other in space for the most part.
 constexpr std::size_t kBlock = 16, kBlocksAtOnce = 128;
+/// More than a leaf's places have.
+constexpr std::uint64_t kNumbers = 1024;
 
 class Search {
 public:
@@ -150,7 +152,7 @@ private:
                    Farthest& out) const {
         const Vec3d at = in_box(place.position, box_);
         for (std::size_t k = 0; k < some.size(); ++k)
-            out.add(some.id(k), at, leaf * kMostPlaces + place.number);
+            out.add(some.id(k), at, leaf * kNumbers + place.number);
     }
 
     void add_block(std::size_t b, Farthest& out) const {
@@ -190,6 +192,8 @@ private:
         if (of_disc.size() == 0) return;
         std::vector<LeafPlace> places;
         append_places(leaf, places);
+        // Corners lie between those: of a box by a third of a leaf's radius.
+        if (leaf.sharp || leaf.rims.any()) append_close_places(leaf, places);
         out.n_tests += places.size() * of_disc.size();
         for (const LeafPlace& place : places) add_place(i, place, of_disc, out);
     }

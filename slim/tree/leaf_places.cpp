@@ -43,17 +43,6 @@ Vec3d place_in_core(const Surfel& s, std::size_t i, double& u, double& v) {
     return x;
 }
 
-std::vector<OnDisc> close_rings() {
-    constexpr int kRings = 4, kAngles = 96;
-    std::vector<OnDisc> out;
-    for (int ring = 1; ring <= kRings; ++ring)
-        for (int k = 0; k < kAngles; ++k) {
-            const double angle = 2 * std::numbers::pi * k / kAngles;
-            out.push_back({static_cast<double>(ring) / kRings, std::cos(angle), std::sin(angle)});
-        }
-    return out;
-}
-
 bool is_drawn(const Surfel& s, std::size_t sheet, const Vec3d& x, double u, double v) {
     if (!s.sharp) return rim_share(s.rims, u, v) > 0;
     return s.active_sheet(x) == sheet;
@@ -90,8 +79,35 @@ void append_places(const Surfel& s, std::vector<LeafPlace>& out, std::size_t fir
 }
 
 void append_close_places(const Surfel& s, std::vector<LeafPlace>& out) {
-    static const std::vector<OnDisc> kRings = close_rings();
-    append(s, kRings, out);
+    constexpr std::size_t kRings = 4, kAngles = 96;
+    constexpr int kSteps = 8;  // of a bisection
+    const double core = hit_trim(s);
+    for (std::size_t sheet = 0; sheet < s.n_sheets(); ++sheet)
+        for (std::size_t k = 0; k < kAngles; ++k) {
+            const double angle = 2 * std::numbers::pi * static_cast<double>(k) / kAngles;
+            const double cosine = std::cos(angle), sine = std::sin(angle);
+            // Whether the sheet is drawn so far out; adds it.
+            const auto adds = [&](double radius) {
+                double u = radius * cosine, v = radius * sine;
+                const Vec3d x = place_in_core(s, sheet, u, v);
+                if (!is_drawn(s, sheet, x, u, v)) return false;
+                out.push_back({s.center + x * s.support_radius, sheet * kPlacesOfSheet + k});
+                return true;
+            };
+            double within = -1, without = -1;  // the farthest ring drawn, and the next one
+            for (std::size_t ring = 1; ring <= kRings; ++ring) {
+                const double radius = core * static_cast<double>(ring) / kRings;
+                if (adds(radius)) within = radius, without = -1;
+                else if (without < 0)
+                    without = radius;
+            }
+            if (without < 0) continue;
+            within = std::max(within, 0.0);
+            for (int step = 0; step < kSteps; ++step) {
+                const double middle = (within + without) / 2;
+                (adds(middle) ? within : without) = middle;
+            }
+        }
 }
 
 LeafExtent::LeafExtent(const Surfel& s) : n_discs(s.n_sheets()) {

@@ -26,8 +26,8 @@ struct LeafPlace {
 void append_places(const Surfel& leaf, std::vector<LeafPlace>& out,
                    std::size_t first = kPlacesOfSheet);
 
-/// The same of more places, rings of 96 at quarters of the core's radius: tips between a core's
-/// circle and a rim lie between the 19.
+/// The same of more places, in 96 directions at quarters of the core's radius and where what is drawn
+/// ends between them: tips between a core's circle and a rim, and corners, lie between the 19.
 void append_close_places(const Surfel& leaf, std::vector<LeafPlace>& out);
 
 /// What holds all places of a leaf: discs about its centre with a height to both sides.

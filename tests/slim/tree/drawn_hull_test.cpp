@@ -10,7 +10,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 namespace slim {
@@ -63,8 +65,11 @@ TEST(DrawnHull, HoldsOnlyWhatIsDrawn) {
 std::vector<Vec3d> all_places(const SurfelTree& tree, bool loose, const Bbox& box) {
     std::vector<LeafPlace> places;
     for (std::size_t i = 0; i < tree.n_nodes(); ++i)
-        if (tree.node(i).is_leaf() && tree.node(i).is_loose() == loose)
-            append_places(tree.surfel(i), places);
+        if (tree.node(i).is_leaf() && tree.node(i).is_loose() == loose) {
+            const Surfel leaf = tree.surfel(i);
+            append_places(leaf, places);
+            if (leaf.sharp || leaf.rims.any()) append_close_places(leaf, places);
+        }
     std::vector<Vec3d> out;
     for (const LeafPlace& place : places) {
         Vec3d p = place.position;
@@ -127,6 +132,24 @@ TEST(DrawnHull, HasTheFarthestPlacesOfSharpAndOfCutOffLeaves) {
     for (std::size_t i = 0; i < data.nodes.size(); i += 2)
         data.nodes[i].set_rims({pack_rim(0.37 * static_cast<double>(i), 0.1), 0});
     expect_the_farthest(data, false, box_of(3, 3, 3));
+}
+
+// Cameras that frame a part by its hull cut its corners off otherwise.
+TEST(DrawnHull, HasACornerThatLiesBesideItsLeafsMiddle) {
+    const std::array<Vec3d, 3> axes{test::axis_vector(0, 1), test::axis_vector(1, 1),
+                                    test::axis_vector(2, 1)};
+    const Vec3d diagonal = normalized(Vec3d{1, 1, 1});
+    for (const double at : {0.1, 0.2, 0.28, 0.34, 0.39}) {  // each plane's distance from the middle
+        Surfel corner = test::corner_surfel({0, 0, 0}, axes, 1);
+        auto sheets = std::make_shared<SharpSheets>(*corner.sharp);
+        corner.polynomial.a[0] = at;
+        for (std::size_t i = 0; i < 2; ++i) sheets->extra[i].polynomial.a[0] = at;
+        corner.sharp = sheets;
+        const auto data = test::flat_tree({corner}, 2);
+        EXPECT_GT(reach(drawn_hull(data.view(), false, box_of(at, at, at)), diagonal),
+                  std::sqrt(3.0) * at - 0.02)
+            << at;
+    }
 }
 
 TEST(DrawnHull, HasTheFarthestPlacesOfSteepLeaves) {
