@@ -11,13 +11,17 @@ struct NumberSpan {
     float from, to;
 };
 
-/// Which of a bar's ticks have their numbers: each so many.
+/// Which of a bar's ticks have their numbers: each so many, and the last one.
 struct NumberChoice {
     std::size_t stride, first;
-    bool has(std::size_t tick) const { return tick % stride == first; }
+    std::size_t last, too_near;  ///< from too_near on only the last one has its number
+    bool has(std::size_t tick) const {
+        return tick == last || (tick < too_near && tick % stride == first);
+    }
 };
 
-/// The most of them of which none comes nearer to the next than a gap, 0 among them.
+/// The most of them of which none comes nearer to the next than a gap, 0 among them and the end of
+/// the range, which takes the place of one too near to it.
 ///
 /// ticks  ascending; spans: of their numbers, in the same order
 inline NumberChoice numbers_apart(std::span<const double> ticks, std::span<const NumberSpan> spans,
@@ -33,7 +37,12 @@ inline NumberChoice numbers_apart(std::span<const double> ticks, std::span<const
         return false;
     };
     while (stride < ticks.size() && touches()) ++stride;
-    return {stride, zero % stride};
+    const std::size_t n = spans.size(), last = n == 0 ? 0 : n - 1;
+    if (n == 0 || (zero != last && spans[zero].to + gap > spans[last].from))
+        return {stride, zero % stride, n, n};
+    std::size_t too_near = last;
+    while (too_near > zero + 1 && spans[too_near - 1].to + gap > spans[last].from) --too_near;
+    return {stride, zero % stride, last, too_near};
 }
 
 }  // namespace slim
