@@ -170,17 +170,6 @@ LinePoint joint(const LinePoint& own, const Placed& placed) {
     return p;
 }
 
-/// Length, and strength, which of creases is the mean turn.
-void measure_part(FeatureLine& line) {
-    measure_line(line);
-    if (!is_crease(line.kind)) return;
-    float sum = 0;
-    line.for_each_segment([&](const LinePoint& a, const LinePoint& b) {
-        sum += std::hypot(b.x - a.x, b.y - a.y) * 0.5f * (a.evidence + b.evidence);
-    });
-    line.strength = line.length_px > 0 ? sum / line.length_px : 0;
-}
-
 /// What is left of a line beside those that are placed; returns whether that is less than all.
 bool add_rests(FeatureLine line, const Placed& placed, bool in_space, float px,
                std::vector<FeatureLine>& out) {
@@ -202,7 +191,7 @@ bool add_rests(FeatureLine line, const Placed& placed, bool in_space, float px,
                            line.points.begin() + static_cast<std::ptrdiff_t>(run.end));
         if (run.end < n || closed)
             rest.points.push_back(joint(line.points[run.end < n ? run.end : 0], placed));
-        measure_part(rest);
+        measure_line(rest);
         if (rest.points.size() > 1) out.push_back(std::move(rest));
     }
     return true;
@@ -213,7 +202,7 @@ void divide_crease(FeatureLine line, const Placed& contours, float px,
                    std::vector<FeatureLine>& outlines, std::vector<FeatureLine>& creases) {
     std::vector<std::uint8_t> outline = shared_points(line, contours, true, px);
     for (std::size_t i = 0; i < outline.size(); ++i)
-        if (line.points[i].weight > kFaces) outline[i] = 0;
+        if (line.points[i].facing > kFaces) outline[i] = 0;
     flip_runs(outline, [&](const Run& run, bool mark) {
         return mark && length_of(line.points, run) < kShared * px;
     });
@@ -234,7 +223,7 @@ void divide_crease(FeatureLine line, const Placed& contours, float px,
                 const LinePoint* at = contours.nearest(p);
                 p.weight = at ? at->weight : 0, p.evidence = 1;
             }
-        measure_part(part);
+        measure_line(part);
         if (part.points.size() > 1) (is_outline ? outlines : creases).push_back(std::move(part));
     }
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr float kTurned = -0.3f, kSeen = 0.6f;  ///< N.v of the face that is turned away most
 
 /// From (x0, y0) to (x1, y1) in steps of at most a pixel, a unit of length each, at that depth.
-FeatureLine line_to(LineKind kind, float x0, float y0, float x1, float y1, float weight = 1,
+FeatureLine line_to(LineKind kind, float x0, float y0, float x1, float y1, float facing = 1,
                     float depth = 0) {
     FeatureLine line;
     line.kind = kind;
@@ -22,7 +22,8 @@ FeatureLine line_to(LineKind kind, float x0, float y0, float x1, float y1, float
     for (int i = 0; i <= n; ++i) {
         const float u = static_cast<float>(i) / static_cast<float>(n);
         const float x = x0 + u * (x1 - x0), y = y0 + u * (y1 - y0);
-        line.points.push_back({x, y, {x, y, depth}, weight, is_crease(kind) ? 90.0f : 1.0f});
+        line.points.push_back({x, y, {x, y, depth}, is_crease(kind) ? 0.0f : 1.0f,
+                               is_crease(kind) ? 90.0f : 1.0f, facing});
     }
     measure_line(line);
     return line;
