@@ -117,7 +117,7 @@ private:
         field.choice("lines", lines,
                      "feature lines, drawn over the pictures (alone on white: --aov lines) and "
                      "beside them as x.lines.svg; crest needs a model of --degree 3, crease one of "
-                     "--sharp on",
+                     "--sharp on; with contour, too, creases along outlines are contours",
                      {"contour", "suggestive", "crest", "crease", "parabolic", "reflection"});
         field.path("lines_ply", lines_ply, "the lines in space as PLY (vertex and edge elements)");
         field.path("lines_obj", lines_obj, "the lines in space as OBJ");

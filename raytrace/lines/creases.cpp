@@ -119,8 +119,8 @@ private:
         const float turn = EdgePoint{p.point, {}, n}.turn_deg();
         const Vec3f to_eye =
             to_float(s_.view.orthographic ? -s_.view.forward : normalized(s_.view.eye - p.point));
-        seen_.push_back({static_cast<float>(p.x), static_cast<float>(p.y), to_float(p.point),
-                         std::min(dot(n[0], to_eye), dot(n[1], to_eye)), turn});
+        seen_.push_back({static_cast<float>(p.x), static_cast<float>(p.y), to_float(p.point), 0,
+                         turn, std::min(dot(n[0], to_eye), dot(n[1], to_eye))});
     }
 
     /// Whether a place is looked at in this band: each in one.
@@ -228,20 +228,11 @@ private:
             FeatureLine line;
             line.kind = kind_, line.closed = closed && whole;
             for (; i < seen_.size() && is_seen_[i]; ++i) line.points.push_back(seen_[i]);
-            finish(line);
+            measure_line(line);
             if (line.points.size() > 1 && line.length_px >= kShortestRun)
                 out.push_back(std::move(line));
         }
         return out;
-    }
-
-    static void finish(FeatureLine& line) {
-        measure_line(line);
-        float sum = 0;
-        line.for_each_segment([&](const LinePoint& a, const LinePoint& b) {
-            sum += std::hypot(b.x - a.x, b.y - a.y) * 0.5f * (a.evidence + b.evidence);
-        });
-        line.strength = line.length_px > 0 ? sum / line.length_px : 0;
     }
 
     static constexpr float kReach = 16;       // footprints, as the gap of a limb

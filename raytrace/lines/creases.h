@@ -18,8 +18,7 @@ namespace slim {
 /// corners of kept ones (hysteresis).
 ///
 /// Evidence of a point is the angle by which the normal turns across the edge there, degrees;
-/// strength of a line is its mean over the length. Weight is N.v of the face that is turned away
-/// most (1: to the eye).
+/// strength of a line is its mean over the length in the picture.
 ///
 /// cost     O(points of edges + pixels along them) a band, parallel; the same for any number of
 ///          threads and bands

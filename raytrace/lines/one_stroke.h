@@ -19,7 +19,8 @@ namespace slim {
 /// What leaves the other line stays, and begins at a point of it. Where no contours are among the
 /// lines all stay as they are, in their order.
 ///
-/// lines   as LineSearch finds them; weight of a crease's points: see feature_line.h
+/// lines   as LineSearch finds them; facing of a crease's points: see
+///         feature_line.h
 /// px      a pixel of a picture 1000 high, in pixels; 1 at least
 /// cost    O(points), while lines do not crowd, and O(n log n) of contours cut
 std::vector<FeatureLine> one_stroke(std::vector<FeatureLine> lines, float px);

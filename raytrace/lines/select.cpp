@@ -134,12 +134,14 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
 
 void measure_line(FeatureLine& line) {
     line.length = line.length_px = line.strength = 0;
+    float turn = 0;
     line.for_each_segment([&](const LinePoint& a, const LinePoint& b) {
-        const float step = slim::length(b.point - a.point);
-        line.length += step;
+        const float step = slim::length(b.point - a.point), px = std::hypot(b.x - a.x, b.y - a.y);
+        line.length += step, line.length_px += px;
         line.strength += step * 0.5f * (a.weight + b.weight);
-        line.length_px += std::hypot(b.x - a.x, b.y - a.y);
+        turn += px * 0.5f * (a.evidence + b.evidence);
     });
+    if (is_crease(line.kind)) line.strength = line.length_px > 0 ? turn / line.length_px : 0;
 }
 
 std::vector<FeatureLine> select_lines(std::vector<FeatureLine> lines, const LineRules& rules) {

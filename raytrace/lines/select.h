@@ -31,7 +31,7 @@ float line_pixel(int picture_width, int picture_height);
 /// pixels high and grow with it.
 LineRules line_rules(LineKind kind, int picture_width, int picture_height);
 
-/// Length, length in the picture and strength from the points.
+/// Length, length in the picture and strength, of creases their mean turn, from the points.
 void measure_line(FeatureLine& line);
 
 /// Cuts lines where the evidence falls short and keeps the pieces by the rules, hysteresis

@@ -138,6 +138,33 @@ TEST(Creases, OfACubeAreItsSeenEdgesToAFewHundredthsOfAPixel) {
     }
 }
 
+TEST(Creases, TellHowFarTheFaceIsTurnedThatIsTurnedAwayMost) {
+    const SurfelTreeData model = flat_tree(cube_leaves(), 2);
+    const auto edges = trace_sharp_edges(model.view(), false);
+    const Camera camera = camera_at({6, -2, 3}, 4.5);
+    std::size_t n_turned = 0, n_seen = 0;
+    for (const FeatureLine& line : drawn(model, edges, camera).lines)
+        for (const LinePoint& p : line.points) {
+            const Vec3f& at = p.point;
+            if (std::min({std::fabs(at.x), std::fabs(at.y), std::fabs(at.z)}) > 0.98f)
+                continue;  // at a corner, where three edges are
+            double facing = 1, off = kSize;
+            for (const CubeEdge& e : cube_edges()) {
+                const Vec3d d = e.b - e.a, q = to_double(p.point) - e.a;
+                const double here = length(q - d * (dot(q, d) / dot(d, d)));
+                const Vec3d to_eye = normalized(camera.eye);
+                if (here < off)
+                    off = here, facing = std::min(dot(e.normal[0], to_eye),
+                                                  dot(e.normal[1], to_eye));
+            }
+            EXPECT_NEAR(p.facing, facing, 0.01);
+            EXPECT_EQ(p.weight, 0);
+            ++(facing < 0 ? n_turned : n_seen);
+        }
+    EXPECT_GT(n_turned, 100u);
+    EXPECT_GT(n_seen, 100u);
+}
+
 TEST(Creases, InTheBruteRenderersPictureAreTheSame) {
     const SurfelTreeData model = flat_tree(cube_leaves(), 2);
     const auto edges = trace_sharp_edges(model.view(), false);
