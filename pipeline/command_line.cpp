@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <map>
@@ -111,9 +112,20 @@ std::string apply_set(const std::string& text, const FieldList& fields) {
     return key;
 }
 
-/// Takes the file's values and returns the keys that it says otherwise than by default: a whole
-/// one, as --print-config prints it, says all of them and means few.
-std::vector<std::string> changed_by_config(const std::string& file, const FieldList& fields) {
+/// Whether a file names all keys, as --print-config prints it: without those that it cannot print.
+bool is_whole(const std::vector<std::string>& keys, const FieldList& fields,
+              const std::map<std::string, std::vector<std::string>>& usual) {
+    const std::set<std::string> named(keys.begin(), keys.end());
+    return std::all_of(fields.fields().begin(), fields.fields().end(), [&](const Field& field) {
+        const std::vector<std::string>& items = usual.at(field.key);
+        const bool open = field.required && (items.empty() || items[0].empty());
+        return open || named.contains(field.key);
+    });
+}
+
+/// Takes the file's values and returns the keys that it means: all that a short file names. A whole
+/// one, as --print-config prints it, names every key and means those that are not as by default.
+std::vector<std::string> said_by_config(const std::string& file, const FieldList& fields) {
     std::map<std::string, std::vector<std::string>> usual;
     for (const Field& field : fields.fields()) usual[field.key] = field.items();
     std::vector<std::string> keys;
@@ -122,9 +134,10 @@ std::vector<std::string> changed_by_config(const std::string& file, const FieldL
     } catch (const ConfigError& error) {
         throw ConfigError(std::string("--config ") + error.what());
     }
-    std::erase_if(keys, [&](const std::string& key) {
-        return fields.find(key)->items() == usual.at(key);
-    });
+    if (is_whole(keys, fields, usual))
+        std::erase_if(keys, [&](const std::string& key) {
+            return fields.find(key)->items() == usual.at(key);
+        });
     return keys;
 }
 
@@ -260,7 +273,7 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
         throw ConfigError("--config: expected a file, found ''");
     std::set<std::string> keys;
     if (!common.config.empty())
-        for (const std::string& key : changed_by_config(common.config, fields)) keys.insert(key);
+        for (const std::string& key : said_by_config(common.config, fields)) keys.insert(key);
     for (const std::string& text : common.set) keys.insert(apply_set(text, fields));
     apply_given(fields, given);
     for (std::size_t i = 0; i < given.size(); ++i)

@@ -19,7 +19,8 @@ struct CommonOptions {
     int threads = 0;  ///< 0: SLIM_THREADS, SLURM_CPUS_PER_TASK or the process's share
     std::string config;
     std::vector<std::string> set;    ///< key=value
-    /// keys that these or the options say, or the file otherwise than by default, once each
+    /// keys that these, the options or the file say, once each; of a file that names all keys, as
+    /// --print-config prints it, those not as by default
     std::vector<std::string> given;
 };
 

@@ -14,6 +14,8 @@ std::string quoted_key(std::string_view key);
 /// A message with keys as a command line has them: --key for what quoted_key marked, and for a key
 /// that begins the message unless a path that was given begins it, too (a file that is called as an
 /// option is). A path that an option gave has the option before it, unless a line of it is named.
-std::string with_option_names(const FieldList& fields, std::string what);
+///
+/// in_a_job  a step of a job says it: -o is the job's, and nobody gave it
+std::string with_option_names(const FieldList& fields, std::string what, bool in_a_job = false);
 
 }  // namespace slim

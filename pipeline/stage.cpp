@@ -245,7 +245,8 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
     } catch (const Error& error) {
         const bool usage = error.code() == ExitCode::usage;
         return fail(error.code(),
-                    usage ? with_option_names(stage.fields, error.what()) : error.what());
+                    usage ? with_option_names(stage.fields, error.what(), runs_in_a_job())
+                          : error.what());
     } catch (const std::bad_alloc&) {
         return fail(ExitCode::resource, out_of_memory(stage.fields));
     } catch (const std::filesystem::filesystem_error& error) {

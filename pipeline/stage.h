@@ -67,7 +67,7 @@ struct StageContext {
     int threads_given = 0;           ///< by --threads; 0: `threads` are this
                                      ///< machine's or the environment's
     std::vector<Headline> headlines = {};  ///< if set: of this result, instead of the verb's
-    /// keys that the command line says, or its --config otherwise than by default
+    /// keys that the command line or its --config says (see CommonOptions)
     std::vector<std::string> given = {};
 
     bool writes_handed_points() const { return !handed || !handed->instead_of_files(); }

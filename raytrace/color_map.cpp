@@ -103,10 +103,8 @@ double percentile_of_abs(std::span<const float> values, std::span<const std::uin
     return covered[k];
 }
 
-ValueRange symmetric_range(std::span<const float> values, std::span<const std::uint8_t> hit,
-                           double percentile, double least, double flat) {
-    const double a =
-        nice_ceiling(std::max(percentile_of_abs(values, hit, percentile, flat), least));
+ValueRange symmetric_range(double most, double least) {
+    const double a = nice_ceiling(std::max(most, least));
     return {-a, a};
 }
 

@@ -65,16 +65,13 @@ double nice_ceiling(double v);
 
 /// Value at `percentile` (0..100, nearest rank) of |v| over hit pixels with finite values; 0
 /// without any. If half or more are up to `flat` in magnitude, these do not count, unless fewer
-/// than one in 1000 are above.
+/// than one in 1000 are above: flat faces of a part must not leave its curved ones one colour.
 double percentile_of_abs(std::span<const float> values, std::span<const std::uint8_t> hit,
                          double percentile, double flat = 0);
 
-/// [-a, a] with a = nice_ceiling of that percentile, at least `least` (> 0): below it, values are
-/// rounding, and a flat plane must not look like a storm. Where most values are up to `flat` they
-/// do not count (see percentile_of_abs): flat faces of a part must not leave its curved ones one
-/// colour.
-ValueRange symmetric_range(std::span<const float> values, std::span<const std::uint8_t> hit,
-                           double percentile, double least, double flat = 0);
+/// [-a, a] with a = nice_ceiling of what most values are up to (see percentile_of_abs), at least
+/// `least` (> 0): below it, values are rounding, and a flat plane must not look like a storm.
+ValueRange symmetric_range(double most, double least);
 
 /// [least, greatest] finite value at hit pixels; a single value is widened, no value gives [0, 1].
 ValueRange full_range(std::span<const float> values, std::span<const std::uint8_t> hit);

@@ -91,11 +91,25 @@ std::string whole_text(const std::string& path) {
     return std::move(text).str();
 }
 
+/// How many elements of these names a text has: <line is not the beginning of <linearGradient.
+std::uint64_t count_elements(const std::string& text,
+                             std::initializer_list<std::string_view> names) {
+    constexpr std::string_view kAfterName = " \t\r\n/>";
+    std::uint64_t n = 0;
+    for (const std::string_view name : names)
+        for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) {
+            if (text.compare(++at, name.size(), name) != 0) continue;
+            const std::size_t end = at + name.size();
+            n += end < text.size() && kAfterName.find(text[end]) != std::string_view::npos;
+        }
+    return n;
+}
+
 json svg_info(const std::string& path) {
     const std::string text = whole_text(path);
     const auto counted = [&](json out) {
-        out["paths"] = count_in(text, {"<path", "<polyline", "<line"});
-        out["texts"] = count_in(text, {"<text"});
+        out["paths"] = count_elements(text, {"path", "polyline", "line"});
+        out["texts"] = count_elements(text, {"text"});
         return out;
     };
     static const std::pair<const char*, const char*> kDrawings[] = {
@@ -136,8 +150,9 @@ json html_info(const std::string& path) {
     json out =
         kind_info(path, "html", "a page for a browser, as 'slim run' and 'slim report' write");
     const std::string text = whole_text(path);
-    out["html_tables"] = count_in(text, {"<table"}), out["pictures"] = count_in(text, {"<img"});
-    out["plots"] = count_in(text, {"<svg"});
+    out["html_tables"] = count_elements(text, {"table"});
+    out["pictures"] = count_elements(text, {"img"});
+    out["plots"] = count_elements(text, {"svg"});
     return out;
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 #include <vector>
 
 namespace slim {
@@ -17,6 +18,9 @@ namespace {
 
 using nlohmann::json;
 using Cells = std::vector<std::string>;
+
+/// Some programs begin a text with it.
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 /// The next row; nothing at the end. `closed`: its quotes end. A quoted cell may hold line breaks.
 std::optional<Cells> next_row(std::istream& in, bool& closed) {
@@ -43,16 +47,23 @@ std::optional<Cells> next_row(std::istream& in, bool& closed) {
     return cells;
 }
 
+/// Of a blank line, which is no row: many programs end a table with one.
+bool is_blank(const Cells& row) {
+    return row.size() == 1 && row[0].find_first_not_of(" \t") == std::string::npos;
+}
+
 bool is_number(const std::string& text) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     return error == std::errc() && end == text.data() + text.size();
 }
 
-/// Whether a first line begins a cloud, or something that only its reader can tell.
+/// Whether a first line begins a cloud, or something that only its reader can tell. Names and
+/// numbers may stand in quotes.
 bool begins_a_cloud(std::string line) {
+    if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     for (char& c : line)
-        c = c == ';' || c == ',' || c == '\t' || c == '\r'
+        c = c == ';' || c == ',' || c == '\t' || c == '\r' || c == '"'
                 ? ' '
                 : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (line.starts_with("#") || line.starts_with("//")) return true;
@@ -75,13 +86,16 @@ std::optional<json> table_info(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     std::string first;
     if (!in || !std::getline(in, first) || begins_a_cloud(first)) return std::nullopt;
-    in.clear(), in.seekg(0);
+    in.clear();
+    const bool is_marked = first.starts_with(kByteOrderMark);
+    in.seekg(is_marked ? static_cast<std::streamoff>(kByteOrderMark.size()) : 0);
     bool closed = true;
     const Cells names = *next_row(in, closed);
     std::uint64_t rows = 0;
     while (closed) {
         const auto row = next_row(in, closed);
         if (!row) break;
+        if (closed && is_blank(*row)) continue;
         ++rows;
         if (row->size() != names.size())
             throw FormatError(fmt::format("{}: row {}: expected {} cells, as its first line names; "

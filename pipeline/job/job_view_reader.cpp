@@ -109,6 +109,9 @@ private:
         note_taken(options, own_keys);
         if (overridden_) own = options_for(view.aovs, own, {}, render);
         const std::string own_name = view.name.empty() ? name_of(options, own) : view.name;
+        // By the names that were given: a view's own are made of them.
+        check_line_names(options, [&](const std::string& key) { return place_of_default(key); });
+        check_line_names(own, [&](const std::string& key) { return place_of_value(table, key); });
         if (n_views() > 1) name_line_files(own_name, options);
         options.insert(options.end(), own.begin(), own.end());
         view.name = own_name;
@@ -200,6 +203,19 @@ private:
                 !taken_.contains(use.key) && (!overridden_ || is_override(use.key)))
                 throw ConfigError(fmt::format("{}: no view takes it: {}", place_of_default(use.key),
                                               unused_text(use)));
+    }
+
+    template <class PlaceOf>
+    static void check_line_names(const std::vector<std::string>& options, const PlaceOf& place_of) {
+        if (const auto wrong = wrong_line_file(options))
+            throw ConfigError(
+                fmt::format("{}: {}: {}", place_of(wrong->key), wrong->key, wrong->reason));
+    }
+
+    std::string place_of_value(const TomlTable& table, const std::string& key) const {
+        for (const TomlValue& value : table.values)
+            if (value.key == key) return toml_place(file_, value.line);
+        return table_place(file_, table);
     }
 
     /// Where [render], or the first [[light]], says it.

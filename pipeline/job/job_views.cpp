@@ -1,5 +1,6 @@
 #include "pipeline/job/job_views.h"
 
+#include "formats/extension.h"
 #include "pipeline/config.h"
 #include "pipeline/contains.h"
 #include "pipeline/render/render_cameras.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string_view>
 
 namespace slim {
@@ -72,7 +74,24 @@ namespace {
 
 constexpr auto kLineFiles = std::to_array<std::string_view>({"--lines-ply=", "--lines-obj="});
 
+/// What such a file's name must end in, and its key: lines_ply.
+std::string ending_of(std::string_view option) { return option == kLineFiles[0] ? ".ply" : ".obj"; }
+std::string key_of(std::string_view option) { return "lines_" + ending_of(option).substr(1); }
+
 }  // namespace
+
+std::optional<WrongLineFile> wrong_line_file(const std::vector<std::string>& options) {
+    for (const std::string& option : options)
+        for (const std::string_view begin : kLineFiles) {
+            if (!option.starts_with(begin) || option.size() == begin.size()) continue;
+            const std::filesystem::path file = option.substr(begin.size());
+            if (lower_extension(file) == ending_of(begin)) continue;
+            return WrongLineFile{key_of(begin),
+                                 fmt::format("expected a name ending in {}, found {}",
+                                             ending_of(begin), file.filename().string())};
+        }
+    return std::nullopt;
+}
 
 std::vector<std::filesystem::path> line_files(const std::vector<std::string>& options) {
     std::vector<std::filesystem::path> files;

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -35,6 +36,13 @@ std::vector<std::filesystem::path> files_read(const std::vector<std::string>& op
 
 /// The files of lines in space that these options of slim-render name: --lines-ply, --lines-obj.
 std::vector<std::filesystem::path> line_files(const std::vector<std::string>& options);
+
+/// The first of them whose name is not that of such a file, by its key ("lines_ply"); nothing if
+/// all are.
+struct WrongLineFile {
+    std::string key, reason;
+};
+std::optional<WrongLineFile> wrong_line_file(const std::vector<std::string>& options);
 
 /// Renames those in the options of several views, each of which writes its own: edges.ply is
 /// front.edges.ply of the view "front", as its pictures are named.

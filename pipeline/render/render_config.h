@@ -81,8 +81,8 @@ private:
         field.path("job", job,
                    "draws the views of a job file (or ready style) of this model, with its "
                    "[render], lights and materials, into the folder, or the file if there is one "
-                   "view; other options win over the job's, for every view, and of a --config what "
-                   "it says otherwise than by default");
+                   "view; other options win over the job's, for every view, and so do the keys of "
+                   "a --config, of a whole one, as printed, those not as by default");
         field("size", size, "picture in pixels, WIDTHxHEIGHT");
         field("camera", camera,
               "front, back, left, right, top, bottom, iso, or nine numbers "

@@ -18,22 +18,17 @@ namespace slim {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-/// The first of the folders above that is there is one: those below it can be made.
-void check_folder_above(const fs::path& output) {
+void check_folder(const fs::path& folder, const std::string& output) {
     std::error_code none;
-    fs::path above = output.parent_path();
+    fs::path above = folder;
     while (above.has_relative_path() && fs::status(above, none).type() == fs::file_type::not_found)
         above = above.parent_path();
     // Below a file nothing is found; the file itself is.
     if (above.empty() || fs::is_directory(above, none)) return;
     throw IoError(fmt::format("{}: {} is no folder; expected one, or a name that is free",
-                              output.string(), above.string()),
+                              output, above.string()),
                   ExitCode::usage);
 }
-
-}  // namespace
 
 int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
     check_view_name(config.name);
@@ -88,7 +83,7 @@ void check_outputs(const RenderConfig& config, const OutputPlan& plan) {
         if (!output.empty()) outputs.push_back(output);
     for (const fs::path& output : outputs) {
         check_replaceable(output.string());
-        check_folder_above(output);
+        check_folder(output.parent_path(), output.string());
         refuse_to_overwrite(output.string(), {config.model, config.environment, config.matcap});
         for (const std::string& added : config.add) refuse_to_overwrite(output.string(), {added});
     }

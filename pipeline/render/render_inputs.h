@@ -16,6 +16,11 @@ namespace slim {
 /// one which it reads, by whatever name. Returns the number of pictures.
 int check_request(const RenderConfig& config, const std::vector<std::string>& aovs);
 
+/// The first of a folder and those above it that is there must be one: those below it can be made.
+///
+/// output  what was asked for, for the message (IoError, 2)
+void check_folder(const std::filesystem::path& folder, const std::string& output);
+
 /// No file of these, nor of lines in space, may be one that the run reads (ConfigError), a folder
 /// or a device, or lie below a file (IoError, 2): said before the first picture is drawn.
 void check_outputs(const RenderConfig& config, const OutputPlan& plan);

@@ -53,10 +53,17 @@ double curvature_of_radius(double diagonals, int length_power, double diagonal) 
 }
 
 /// What the fit makes of flat faces, which would look like a storm: a radius of 2 diagonals at
-/// least, so that noise does not leave bent surfaces pale, and 40 at most, as single leaves make of
-/// exact faces beside edges (twelve_original: up to 70).
+/// least, so that noise does not leave bent surfaces pale, and 40 at most.
+constexpr double kMostOfFit = 0.5, kLeastOfFit = 0.025;
+
+/// All is flat that is bent less: single leaves beside edges of exact faces take a point or two of
+/// the next face along, which bends them to radii of 47 diagonals (twelve_original: k1 0.021, mean
+/// curvature 0.010 at most, at 95 of 100 pixels 0.0025 and 0.0012). Rounding bends none to 1000.
+constexpr double kFlat = 0.0125;
+
 double flat_curvature(const MapScale& scale) {
-    return std::clamp(scale.curvature_noise, 0.025 / scale.diagonal, 0.5 / scale.diagonal);
+    return std::clamp(scale.curvature_noise, kLeastOfFit / scale.diagonal,
+                      kMostOfFit / scale.diagonal);
 }
 
 /// Below it a range shows rounding, the last digits of floats, derivatives of curvatures whose
@@ -72,12 +79,19 @@ double least_range(const std::string& aov, int length_power, const MapScale& sca
 
 /// Curvatures and their derivatives up to it are those of flat faces: radii of 10 diagonals and
 /// more, of curvatures no more than the fit makes of such. (Of scans a few in 100 pixels, of parts
-/// most: symmetric_range.)
+/// most: percentile_of_abs.)
 double flat_until(const std::string& aov, int length_power, const MapScale& scale) {
     if (!(length_power < 0 && scale.diagonal > 0)) return 0;
     const double flat = curvature_of_radius(10, length_power, scale.diagonal);
     return is_curvature(aov) ? std::min(flat, std::pow(flat_curvature(scale), -length_power))
                              : flat;
+}
+
+/// Whether a curvature that most of a picture does not exceed is one of flat faces: it has none to
+/// show, be its leaves ever so exact.
+bool shows_flat_faces(const std::string& aov, double most, const MapScale& scale) {
+    return is_curvature(aov) && scale.diagonal > 0 &&
+           most <= std::pow(kFlat / scale.diagonal, -map_spec(aov)->length_power);
 }
 
 /// The Gauss curvature of a ball as bent as the surface is in the middle, by the mean curvature:
@@ -173,8 +187,11 @@ ValueRange map_range(const RenderConfig& config, const std::string& aov,
     if (aov == "depth") return full_range(values, b.hit);
     double least = least_range(aov, spec.length_power, scale);
     if (aov == "gauss") least = std::max(least, bent_as_a_ball(b.mean, b.hit));
-    const ValueRange range = symmetric_range(values, b.hit, config.percentile, least,
-                                             flat_until(aov, spec.length_power, scale));
+    const double flat = flat_until(aov, spec.length_power, scale);
+    const double most = percentile_of_abs(values, b.hit, config.percentile, flat);
+    if (shows_flat_faces(aov, most, scale))
+        least = std::max(least, std::pow(kMostOfFit / scale.diagonal, -spec.length_power));
+    const ValueRange range = symmetric_range(most, least);
     return {spec.is_signed ? range.lo : 0, range.hi, spec.is_signed};
 }
 

@@ -29,12 +29,13 @@ struct MapScale {
     double curvature_noise = 0;  ///< see curvature_noise.h
 };
 
-/// Range of an AOV: what --range fixes for it, else from the covered values (see symmetric_range;
+/// Range of an AOV: what --range fixes for it, else from the covered values (see percentile_of_abs;
 /// of curvatures and their derivatives, where most are flat, from the others: radii below 10
 /// diagonals, of curvatures no gentler than the fit's own). Of signed quantities it is about zero.
 /// The smallest range of curvatures is what the fit makes of its noise, within radii of 40 and 2
-/// diagonals; of "gauss" it is at least the square of the middle mean curvature (half of its
-/// integral lies below), for which the frame holds that. Throws ConfigError on a bad --range.
+/// diagonals, and one of 2 diagonals where most is flat and nothing else bent: radii of 80 and
+/// more. Of "gauss" it is at least the square of the middle mean curvature (half of its integral
+/// lies below), for which the frame holds that. Throws ConfigError on a bad --range.
 ///
 /// frame  its hits; the values are one for each of its pixels
 ValueRange map_range(const RenderConfig& config, const std::string& aov,

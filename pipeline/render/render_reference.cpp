@@ -54,14 +54,21 @@ Camera camera_of_range(const RenderJob& job, const std::string& name) {
                        legend_room(config, job.plan.framed(), job.size));
 }
 
+/// What the fit of a model makes of flat faces. Its nodes are checked first: a view may meet few.
+double noise_of(const SurfelTree& tree, ModelReads* reads) {
+    const SampledNodes sample = nodes_for_curvature_noise(tree);
+    if (reads) reads->meet(sample.nodes);
+    return curvature_noise(tree, sample);
+}
+
 /// Of several models what is known worst of one, where the others' flat faces are too.
 MapScale scale_of(const RenderJob& job, const std::vector<std::string>& aovs) {
     MapScale scale{job.header().diagonal, 0};
     if (std::none_of(aovs.begin(), aovs.end(), is_curvature)) return scale;
-    if (!job.traced) scale.curvature_noise = curvature_noise(job.tree);
-    else
+    if (!job.traced) scale.curvature_noise = noise_of(job.tree, job.reads);
+    else  // checked as a whole
         for (const ScenePart& part : job.traced->parts())
-            scale.curvature_noise = std::max(scale.curvature_noise, curvature_noise(*part.tree));
+            scale.curvature_noise = std::max(scale.curvature_noise, noise_of(*part.tree, nullptr));
     return scale;
 }
 

@@ -6,6 +6,7 @@
 #include "pipeline/job/job.h"
 #include "pipeline/job/job_source.h"
 #include "pipeline/job/job_steps.h"
+#include "pipeline/render/render_inputs.h"
 #include "pipeline/render/render_view.h"
 #include "pipeline/signals.h"
 #include "slim/base/error.h"
@@ -60,6 +61,12 @@ void refuse_parts(const RenderConfig& config) {
             config.join > 0 ? "--join" : "--share"));
 }
 
+/// Said here, of what was given: a view only knows its own picture's name.
+void check_output(const RenderConfig& config) {
+    const fs::path output = config.output;
+    check_folder(is_folder_output(config.output) ? output : output.parent_path(), config.output);
+}
+
 /// Whether a message begins with an option that was given, or with its key or file.
 bool is_of_given(const std::string& message, const RenderConfig& config,
                  const StageContext& context) {
@@ -74,7 +81,8 @@ bool is_of_given(const std::string& message, const RenderConfig& config,
         if (begins_with(field.option()) || begins_with(field.key)) return true;
         if (!field.is_path()) continue;
         for (const std::string& path : field.items())
-            if (!path.empty() && begins_with(fs::absolute(path).string())) return true;
+            if (!path.empty() && (begins_with(path) || begins_with(fs::absolute(path).string())))
+                return true;
     }
     return false;
 }
@@ -135,6 +143,7 @@ Job drawing_of(const RenderConfig& config, const StageContext& context) {
 
 Json draw_views(const RenderConfig& config, StageContext& context) {
     refuse_parts(config);
+    check_output(config);
     const Job job = drawing_of(config, context);
     std::vector<StepOutcome> outcomes;
     for (const JobStep& step : job.steps) outcomes.push_back(drawn(step, job, config, context));

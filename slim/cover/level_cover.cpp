@@ -184,20 +184,29 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
                 batch[i].stage = SearchStage::done;
             }
         });
-        std::size_t n_decided = 0;
-        for (; n_decided < batch.size(); ++n_decided) {
-            CoverCandidate& c = batch[n_decided];
-            const bool is_searched = c.stage == SearchStage::done;
-            if (!is_wanted(c.point))
-                out_.counts.discarded += is_searched;
-            else if (is_searched) {
-                accept(c, level);
-                forestalling_.add(c.leaf);
-            } else
-                break;
-        }
-        settle_aside(batch, n_decided);
+        settle_aside(batch, decide(batch, level, is_wanted));
     }
+}
+
+/// Accepts the first of a batch that are searched, up to one that is not and is still wanted, and
+/// returns how many are decided then. Isolated ones are neither leaves nor internal, and forestall
+/// nothing.
+template <class IsWanted>
+std::size_t LevelCover::decide(std::vector<CoverCandidate>& batch, int level,
+                               const IsWanted& is_wanted) {
+    std::size_t n = 0;
+    for (; n < batch.size(); ++n) {
+        CoverCandidate& c = batch[n];
+        const bool is_searched = c.stage == SearchStage::done;
+        if (!is_wanted(c.point)) {
+            out_.counts.discarded += is_searched;
+            continue;
+        }
+        if (!is_searched) break;
+        accept(c, level);
+        if (!c.choice.isolated) forestalling_.add(c.leaf);
+    }
+    return n;
 }
 
 /// Adds the next wanted centres to those of a batch that are not decided yet, and says which are

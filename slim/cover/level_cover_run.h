@@ -19,7 +19,7 @@ namespace slim {
 /// Of a centre of a batch: another may forestall it, it is searched next, it was.
 enum class SearchStage : std::uint8_t { held, next, done };
 
-/// What the last centres became, the later the more they count.
+/// What the last centres became that others may stand near, the later the more they count.
 class LatestKinds {
 public:
     void add(bool is_leaf) { internal_ += ((is_leaf ? 0 : 1) - internal_) / kRemembered; }
@@ -62,6 +62,8 @@ private:
     template <class IsWanted>
     std::size_t fill_batch(const std::vector<std::uint32_t>& ready, std::size_t next, int level,
                            const IsWanted& is_wanted, std::vector<CoverCandidate>& batch) const;
+    template <class IsWanted>
+    std::size_t decide(std::vector<CoverCandidate>& batch, int level, const IsWanted& is_wanted);
     void settle_aside(std::vector<CoverCandidate>& batch, std::size_t n);
     void settle(std::vector<CoverCandidate>& batch);
     void search(CoverCandidate& c, int level, std::size_t thinning);

@@ -25,6 +25,15 @@ for output, arguments in (("made/b/m.slim", ("build", cloud)), ("made/r/p.png", 
     check(result.code == 0 and (harness.folder / output).exists(), f"{arguments} -o {output}: {result.code} {result.err}")
 check(run("slim", "run", "good.toml", "-q").code == 0 and (harness.folder / "runs/deep/model.slim").exists(), "run")
 
+# A job's own output is not told as an option that nobody gave.
+(harness.folder / "taken.toml").write_text(JOB.replace("CLOUD", cloud).replace("runs/deep", "taken"))
+(harness.folder / "taken/model.slim").mkdir(parents=True)
+taken = run("slim", "run", "taken.toml", "-q")
+check(taken.code == 2 and "taken/model.slim: is a folder; expected a file" in taken.err and "-o" not in taken.err and
+      "--output" not in taken.err, f"a folder where the model is to be: {taken.code} {taken.err}")
+told = run("slim", "build", cloud, "-o", "taken/model.slim", "-q")
+check(told.code == 2 and "-o taken/model.slim: is a folder; expected a file" in told.err, f"its option: {told.err}")
+
 before = sorted(harness.folder.glob("*"))
 for code, arguments in (
         (3, ("build", "bad.ply", "-o", "gone/deep/m.slim")),

@@ -42,6 +42,9 @@ def kinds():
     check("feature lines" in info("x.lines.svg", kind="svg").get("about", ""), "x.lines.svg")
     info("job.toml", kind="job", tables=["input", "view"])
     check(info("x.lines.svg").get("paths", 0) > 0, "paths of x.lines.svg")
+    (folder / "drawn.svg").write_text('<svg><defs><linearGradient id="a"/></defs><line x1="0"/><line\nx1="1"/><path d=""/>'
+                                      '<polyline points=""/><textPath/><text>a</text><path/></svg>\n')
+    info("drawn.svg", kind="svg", paths=5, texts=1)
     info("page.html", kind="html", html_tables=0)
     lines = info("x.obj", kind="obj", faces=0)
     check(lines.get("lines", 0) > 0 and "--lines-obj" in lines.get("about", ""), f"x.obj: {lines}")
@@ -74,6 +77,13 @@ def records():
     check(run("slim", "info", "cloud.csv", "--json").json().get("kind") == "cloud", "a cloud in a CSV")
     (folder / "plain.csv").write_text("1,2,3\n4,5,6\n")
     check(run("slim", "info", "plain.csv", "--json").json().get("points") == 2, "a cloud of numbers in a CSV")
+    for text in ('"x","y","z"\n1,2,3\n4,5,6\n', "\ufeffx,y,z\n1,2,3\n4,5,6\n", '"1","2","3"\n1,2,3\n4,5,6\n'):
+        (folder / "named.csv").write_text(text, encoding="utf-8")
+        check(run("slim", "info", "named.csv", "--json").json().get("kind") == "cloud", f"a cloud in {text!r}")
+    for text in ("a,b\n1,2\n3,4\n\n", "a,b\r\n1,2\r\n3,4\r\n\r\n \r\n", "\ufeffa,b\n1,2\n3,4\n", "a\n1\n2\n\n"):
+        (folder / "rows.csv").write_text(text, encoding="utf-8", newline="")
+        table = info("rows.csv", kind="table", rows=2)
+        check(table.get("columns", [""])[0] == "a", f"columns of {text!r}: {table}")
     for text, row in (("a,b\n1,2\n1\n", "row 2"), ('a,b\n1,"2\n', "row 1")):
         (folder / "ragged.csv").write_text(text)
         result = run("slim", "info", "ragged.csv")

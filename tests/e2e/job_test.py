@@ -101,7 +101,16 @@ def same_pictures_of_a_model():
     whole = run("slim", "render", "out/model.slim", "-o", "whole", "--job", "view.toml", "--config", "whole.toml", "--json")
     check(whole.code == 0 and [(s["result"]["width"], len(s["result"]["files"])) for s in whole.json()["steps"]] ==
           [(80, len(s["result"]["files"])) for s in answer["steps"]], f"a whole --config beside --job: {whole.out}{whole.err}")
+    (harness.folder / "short.toml").write_text('size = "1600x1200"\n')  # as by default, and meant
+    (harness.folder / "small.toml").write_text('[render]\nsize = "20x15"\n[[view]]\naovs = ["depth"]\n')
+    short = run("slim", "render", "out/model.slim", "-o", "short", "--job", "small.toml", "--config", "short.toml", "--json")
+    check(short.code == 0 and [s["result"]["width"] for s in short.json()["steps"]] == [1600],
+          f"a short --config beside --job: {short.out}{short.err}")
+    (harness.folder / "lined.toml").write_text('[[view]]\nname = "a"\naovs = ["lines"]\n[[view]]\nname = "b"\naovs = ["lines"]\n')
+    (harness.folder / "no_folder").write_text("")
     refused = {
+        ("-o", "no_folder/x", "--job", "view.toml"): "-o no_folder/x: no_folder is no folder",
+        ("-o", "x", "--job", "lined.toml", "--lines-ply", "e.txt"): "--lines-ply: expected a name ending in .ply, found e.txt",
         ("-o", "x.png", "--job", "view.toml"): "view.toml: its 2 views cannot all be x.png",
         ("-o", "x", "--job", "view.toml", "--share", "1/2"): "--share divides one picture",
         ("-o", "x", "--job", "view.toml", "--aov", "e1"): "--aov e1 needs third derivatives",

@@ -61,16 +61,23 @@ TEST(CommandLine, SaysWhichKeysWereGivenThoughTheyAreAsByDefault) {
               (std::vector<std::string>{"angle", "degree", "inputs", "legend", "output"}));
 }
 
-TEST(CommandLine, AConfigFileGivesTheKeysThatItSaysOtherwiseThanByDefault) {
+TEST(CommandLine, AConfigFileGivesItsKeysAndAPrintedOneThoseThatWereChangedInIt) {
     const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
                                        ("slim_config_" + std::to_string(getpid()) + ".toml");
     LineConfig usual, config;
     std::ofstream(file) << print_config(fields_of(usual)) << "\n";
     const std::vector<std::string> words = {"x.ply", "-o", "m.slim", "--config", file.string()};
     EXPECT_EQ(parse(config, words).given, (std::vector<std::string>{"inputs", "output"}));
+    // Of a whole one what was changed in it, be it printed with a file to write or without.
+    config = {};
+    usual.angle = 3, usual.output = "other.slim";
+    std::ofstream(file) << print_config(fields_of(usual)) << "\n";
+    EXPECT_EQ(parse(config, words).given, (std::vector<std::string>{"angle", "inputs", "output"}));
+    // A short one means what it names, also as it is by default.
+    config = {};
     std::ofstream(file) << "degree = 2\nangle = 3.0\nlegend = false\n";
     EXPECT_EQ(parse(config, words).given,
-              (std::vector<std::string>{"angle", "inputs", "legend", "output"}));
+              (std::vector<std::string>{"angle", "degree", "inputs", "legend", "output"}));
     EXPECT_EQ(config.angle, 3);
     std::filesystem::remove(file);
 }

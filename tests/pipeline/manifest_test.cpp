@@ -1,5 +1,6 @@
 #include "pipeline/manifest.h"
 
+#include "pipeline/run_started.h"
 #include "pipeline/stage.h"
 #include "slim/base/error.h"
 
@@ -14,6 +15,22 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+TEST(RunStarted, IsATimeOrNothing) {
+    EXPECT_TRUE(is_utc_time("2026-11-28T11:20:05Z"));
+    EXPECT_TRUE(is_utc_time(utc_now()));
+    for (const char* other :
+         {"", "junk", "2026-11-28", "2026-11-28T11:20:05", "2026-11-28T11:20:05Z ",
+          " 2026-11-28T11:20:05Z", "2026-11-31T11:20:05Z", "2026-1-8T11:20:05Z",
+          "2026-11-28T25:20:05Z", "2026-11-28T11:20:05ZZ"})
+        EXPECT_FALSE(is_utc_time(other)) << other;
+}
+
+TEST(RunStarted, JunkInTheEnvironmentIsNoTime) {
+    setenv("SLIM_RUN_STARTED", "junk", 1);  // looked at once in a process: here or before
+    EXPECT_TRUE(is_utc_time(run_started())) << run_started();
+    unsetenv("SLIM_RUN_STARTED");
+}
 
 class StampTest : public testing::Test {
 public:

@@ -39,6 +39,14 @@ TEST(OptionNames, AFileHasItsOptionBeforeIt) {
     EXPECT_EQ(said({"m.slim"}, "m.slim: is a folder"), "m.slim: is a folder");
 }
 
+TEST(OptionNames, AJobsOwnOutputHasNoOption) {
+    Given given;
+    EXPECT_EQ(with_option_names(fields_of(given), "out.png: is a folder", true),
+              "out.png: is a folder");
+    EXPECT_EQ(with_option_names(fields_of(given), "degree: expected 1", true),
+              "--degree: expected 1");
+}
+
 TEST(OptionNames, AFileThatIsCalledAsAnOptionBeginsAMessage) {
     EXPECT_EQ(said({"degree"}, "degree: is a cloud"), "degree: is a cloud");
     EXPECT_EQ(said({"degree 2.slim"}, "degree 2.slim: is a cloud"), "degree 2.slim: is a cloud");

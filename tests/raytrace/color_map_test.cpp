@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -21,6 +22,11 @@ void expect_bytes(const Vec3f& c, int r, int g, int b, int tolerance) {
 
 /// Rec.709 luminance.
 double luminance(const Vec3f& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
+ValueRange range_of(const std::vector<float>& values, const std::vector<std::uint8_t>& hit,
+                    double flat = 0) {
+    return symmetric_range(percentile_of_abs(values, hit, 95, flat), 1e-3);
+}
 
 // Moreland's own table of the map: both ends, the middle, and the quarter points.
 TEST(ColorMap, CoolWarmIsMorelandsTable) {
@@ -77,7 +83,7 @@ TEST(ColorMap, PercentileCountsOnlyFiniteHits) {
     EXPECT_DOUBLE_EQ(percentile_of_abs(values, hit, 95), 95);
     EXPECT_DOUBLE_EQ(percentile_of_abs(values, hit, 100), 100);
     EXPECT_DOUBLE_EQ(percentile_of_abs(values, hit, 0), 1);
-    const ValueRange range = symmetric_range(values, hit, 95, 1e-3);
+    const ValueRange range = range_of(values, hit);
     EXPECT_DOUBLE_EQ(range.lo, -100);
     EXPECT_DOUBLE_EQ(range.hi, 100);
     const ValueRange full = full_range(values, hit);
@@ -90,17 +96,16 @@ TEST(ColorMap, FlatFacesLeaveCurvedOnesTheirRange) {
     std::vector<float> values(10000, 1e-17f);
     const std::vector<std::uint8_t> hit(values.size(), 1);
     for (std::size_t i = 0; i < values.size(); i += 33) values[i] = i % 2 ? 0.3f : -0.29f;
-    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3).hi, 1e-3);
-    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3, 0.01).hi, 0.3);
+    EXPECT_DOUBLE_EQ(range_of(values, hit).hi, 1e-3);
+    EXPECT_DOUBLE_EQ(range_of(values, hit, 0.01).hi, 0.3);
     // A plane with a few wild pixels is a plane.
     std::vector<float> plane(10000, 1e-4f);
     for (std::size_t i = 0; i < 9; ++i) plane[i] = 5;
-    EXPECT_DOUBLE_EQ(symmetric_range(plane, hit, 95, 1e-3, 0.01).hi, 1e-3);
+    EXPECT_DOUBLE_EQ(range_of(plane, hit, 0.01).hi, 1e-3);
     // Of a scan some is flat: the same as without.
     for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = 0.00002f * static_cast<float>(i % 700);
-    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3, 0.01).hi,
-                     symmetric_range(values, hit, 95, 1e-3).hi);
+    EXPECT_DOUBLE_EQ(range_of(values, hit, 0.01).hi, range_of(values, hit).hi);
 }
 
 TEST(ColorMap, ZeroIsNeutralWhateverTheEndsOfASignedRange) {
@@ -124,8 +129,8 @@ TEST(ColorMap, ZeroIsNeutralWhateverTheEndsOfASignedRange) {
 TEST(ColorMap, RangeOfNothingAndOfRoundingErrorsIsSane) {
     const std::vector<float> values{0, 1e-12f, -1e-12f};
     const std::vector<std::uint8_t> hit{1, 1, 1}, none{0, 0, 0};
-    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3).hi, 1e-3);
-    EXPECT_DOUBLE_EQ(symmetric_range(values, none, 95, 1e-3).hi, 1e-3);
+    EXPECT_DOUBLE_EQ(range_of(values, hit).hi, 1e-3);
+    EXPECT_DOUBLE_EQ(range_of(values, none).hi, 1e-3);
     EXPECT_LT(full_range(values, none).lo, full_range(values, none).hi);
     const std::vector<float> constant{3, 3, 3};
     EXPECT_LT(full_range(constant, hit).lo, full_range(constant, hit).hi);

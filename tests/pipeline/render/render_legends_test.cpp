@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -235,10 +236,67 @@ TEST(MapRange, OfGentleSurfacesIsTheirsUnlessTheFitKnowsLess) {
         rim.mean[i] = 20 * static_cast<float>(kDish);
     EXPECT_NEAR(range("mean", rim, 0.5 * kDish), 0.05, 0.011);
     // What the fit does not know is pale, up to radii of 2 diagonals, as the noise of scans is not
-    // to change their ranges; beyond radii of 40 all is what leaves beside edges make.
+    // to change their ranges; so is what is bent to radii of more than 80.
     EXPECT_NEAR(range("mean", dish, 3 * kDish), 0.15, 0.051);
     EXPECT_NEAR(range("mean", dish, 100 * kDish), 0.5, 1e-6);
-    EXPECT_NEAR(range("mean", bent(1e-3 * kDish, 0, 0), 0), 0.025, 1e-6);
+    EXPECT_NEAR(range("mean", bent(0.6 * kDish, 0, 0), 0), 0.025, 1e-6);
+    EXPECT_NEAR(range("mean", bent(1e-3 * kDish, 0, 0), 0), 0.5, 1e-6);  // flat
+}
+
+TEST(MapRange, OfExactFacesIsNotThatOfLeavesAtTheirEdges) {
+    const RenderConfig config;
+    constexpr double kDiagonal = 5.6;
+    const auto range = [&](const std::string& aov, const GBuffer& b) {
+        return map_range(config, aov,
+                         aov == "mean" ? b.mean : aov == "k1" ? b.k1 : b.gauss, b, {kDiagonal, 0})
+            .hi;
+    };
+    // As twelve_original: one leaf in twenty has taken a point of the next face along.
+    GBuffer faces = bent(0, 0, 1e-4 / kDiagonal);
+    for (std::size_t i = 0; i < faces.n_pixels(); i += 20) {
+        faces.k1[i] = static_cast<float>(0.0213 / kDiagonal), faces.k2[i] = 0;
+        faces.mean[i] = faces.k1[i] / 2, faces.gauss[i] = 0;
+    }
+    EXPECT_GE(range("mean", faces), 0.5 / kDiagonal);
+    EXPECT_GE(range("k1", faces), 0.5 / kDiagonal);
+    EXPECT_GE(range("gauss", faces), 0.25 / (kDiagonal * kDiagonal));
+    // Round parts of 2 in 100 pixels still have their own.
+    for (std::size_t i = 0; i < faces.n_pixels(); i += 50)
+        faces.mean[i] = static_cast<float>(0.2 / kDiagonal);
+    EXPECT_NEAR(range("mean", faces), 0.2 / kDiagonal, 0.05 / kDiagonal);
+}
+
+/// As curvature_noise() of all that it is to look at.
+double noise_of(const SurfelTreeData& model) {
+    return curvature_noise(model.view(), nodes_for_curvature_noise(model.view()));
+}
+
+TEST(CurvatureNoise, OfALargeModelIsOfFewRunsOfItsNodes) {
+    SurfelTreeData model;
+    model.nodes.resize(65537);
+    const SampledNodes sample = nodes_for_curvature_noise(model.view());
+    const auto& nodes = sample.nodes;
+    EXPECT_LE(nodes.size(), 2000u);
+    EXPECT_EQ(nodes.front(), 1u);
+    std::size_t n_runs = 1;
+    for (std::size_t i = 1; i < nodes.size(); ++i) {
+        ASSERT_GT(nodes[i], nodes[i - 1]);
+        n_runs += nodes[i] != nodes[i - 1] + 1;
+    }
+    EXPECT_LE(n_runs, 60u);
+    EXPECT_LT(nodes.back(), model.nodes.size());
+    EXPECT_NEAR(std::accumulate(sample.stand_for.begin(), sample.stand_for.end(), 0.0), 65536,
+                1e-6);
+    // Large leaves come first; the sample says of them what all do.
+    for (std::size_t i = 1; i < model.nodes.size(); ++i) {
+        TreeNode& node = model.nodes[i];
+        node.flags = kLeaf, node.n_points = 100;
+        node.bound_radius = i < 6000 ? 5 : 1;
+        node.fit_error = i < 6000 ? 0.25f : 9;
+    }
+    EXPECT_NEAR(noise_of(model), 140 * 0.25 / (25 * 10), 1e-5);
+    model.nodes.pop_back();  // small ones are read whole
+    EXPECT_EQ(nodes_for_curvature_noise(model.view()).nodes.size(), 65535u);
 }
 
 TEST(CurvatureNoise, IsThatOfTheMiddleLeafByItsResidualRadiusAndPoints) {
@@ -248,13 +306,13 @@ TEST(CurvatureNoise, IsThatOfTheMiddleLeafByItsResidualRadiusAndPoints) {
         node.fit_error = error, node.bound_radius = radius, node.n_points = n, node.flags = flags;
         return node;
     };
-    EXPECT_EQ(curvature_noise(model.view()), 0);
+    EXPECT_EQ(noise_of(model), 0);
     model.nodes = {leaf(9, 1, 4, 0), leaf(0.01f, 2, 400), leaf(9, 0.1f, 4), leaf(9, 0.1f, 4),
                    leaf(9, 5, 400, 0), leaf(9, 1, 0)};
-    EXPECT_NEAR(curvature_noise(model.view()), 140 * 0.01 / (4 * 20), 1e-6);
+    EXPECT_NEAR(noise_of(model), 140 * 0.01 / (4 * 20), 1e-6);
     // Of two that share the surface the one that is known better.
     model.nodes = {leaf(9, 1, 4, 0), leaf(0.01f, 2, 400), leaf(0.005f, 2.1f, 100)};
-    EXPECT_NEAR(curvature_noise(model.view()), 140 * 0.005 / (2.1 * 2.1 * 10), 1e-5);
+    EXPECT_NEAR(noise_of(model), 140 * 0.005 / (2.1 * 2.1 * 10), 1e-5);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "pipeline/render/render_parts.h"
 
+#include "pipeline/render/curvature_noise.h"
 #include "raytrace/lines/extract.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/project/forward_renderer.h"
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -201,6 +203,35 @@ TEST_F(RenderParts, AViewOfAPartReadsThatPartOfTheModel) {
     EXPECT_LT(part["nodes_visited"].get<double>(), 0.2 * part["nodes"].get<double>());
     EXPECT_LT(part["model_bytes_read"].get<double>(), 0.4 * part["model_bytes"].get<double>());
     EXPECT_GE(part["model_bytes_read"].get<double>(), 24 * part["nodes_visited"].get<double>());
+}
+
+TEST_F(RenderParts, ARangeOfCurvatureIsOfNodesThatWereChecked) {
+    SurfelTreeData model = test::two_level_sphere(1, 100, 250000);
+    const SampledNodes sample = nodes_for_curvature_noise(model.view());
+    write_model(file("m.slim"), model, "{}");
+    RenderConfig c = config("x.png");
+    c.zoom = 30, c.lod = 0, c.aov = {"normal"};
+    const auto other = run(c);
+    c.aov = {"mean"};
+    const auto mean = run(c);
+    // What they are read for is counted, and is little.
+    const double more =
+        mean["model_bytes_read"].get<double>() - other["model_bytes_read"].get<double>();
+    EXPECT_GT(more, 24 * 0.5 * static_cast<double>(sample.nodes.size()));
+    EXPECT_LT(more, 1e6);
+    EXPECT_GT(mean["model_nodes_checked"], other["model_nodes_checked"]);
+    EXPECT_LT(mean["model_nodes_checked"].get<double>(),
+              other["model_nodes_checked"].get<double>() + 2000);
+    // The view meets few of them; damage to one that it does not meet is seen.
+    std::size_t far = sample.nodes[0];
+    for (const std::uint32_t i : sample.nodes)
+        if (model.view().center(i).z < model.view().center(far).z) far = i;
+    model.nodes[far].fit_error = std::numeric_limits<float>::quiet_NaN();
+    write_model(file("m.slim"), model, "{}");
+    c.aov = {"normal"};
+    EXPECT_NO_THROW(run(c, true));
+    c.aov = {"mean"};
+    EXPECT_THROW(run(c, true), FormatError);
 }
 
 TEST_F(RenderParts, CamerasOfTheSameRangeReadWhatTheySee) {
