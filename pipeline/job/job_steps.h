@@ -18,7 +18,7 @@ struct StepOutcome {
     bool up_to_date = false;
     double seconds = 0;
     double peak_memory_bytes = 0;
-    std::string run_started;  ///< of the run that this is the cost of; empty: not said
+    std::string run_started = {};  ///< of the run that this is the cost of; empty: not said
 };
 
 /// Runs a step as a child process beside this one, which skips what is up to date. Throws Error

@@ -137,9 +137,9 @@ private:
         step.output = picture_.empty() ? job_.folder / file : picture_;
         add_step_output(step, job_);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
-        for (const fs::path& file : line_files(options)) {
-            check_line_file(file, view.name, table);
-            step.products.push_back(file);
+        for (const fs::path& lines : line_files(options)) {
+            check_line_file(lines, view.name, table);
+            step.products.push_back(lines);
         }
         views_.push_back({job_.steps.size(), render, legends_of(render, view.aovs)});
         divide(step, render, view, table);
