@@ -58,10 +58,11 @@ bool is_number(const std::string& text) {
     return error == std::errc() && end == text.data() + text.size();
 }
 
-/// Whether a first line begins a cloud, or something that only its reader can tell. Names and
-/// numbers may stand in quotes.
+/// Whether a first line begins a cloud, or something that only its reader can tell. Names may stand
+/// in quotes.
 bool begins_a_cloud(std::string line) {
     if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
+    const bool is_quoted = line.find('"') != std::string::npos;
     for (char& c : line)
         c = c == ';' || c == ',' || c == '\t' || c == '\r' || c == '"'
                 ? ' '
@@ -76,7 +77,7 @@ bool begins_a_cloud(std::string line) {
     const auto holds = [&](const char* name) {
         return std::find(words.begin(), words.end(), name) != words.end();
     };
-    return std::all_of(words.begin(), words.end(), is_number) ||
+    return (!is_quoted && std::all_of(words.begin(), words.end(), is_number)) ||
            (holds("x") && holds("y") && holds("z"));
 }
 

@@ -77,7 +77,7 @@ def records():
     check(run("slim", "info", "cloud.csv", "--json").json().get("kind") == "cloud", "a cloud in a CSV")
     (folder / "plain.csv").write_text("1,2,3\n4,5,6\n")
     check(run("slim", "info", "plain.csv", "--json").json().get("points") == 2, "a cloud of numbers in a CSV")
-    for text in ('"x","y","z"\n1,2,3\n4,5,6\n', "\ufeffx,y,z\n1,2,3\n4,5,6\n", '"1","2","3"\n1,2,3\n4,5,6\n'):
+    for text in ('"x","y","z"\n1,2,3\n4,5,6\n', "\ufeffx,y,z\n1,2,3\n4,5,6\n"):
         (folder / "named.csv").write_text(text, encoding="utf-8")
         check(run("slim", "info", "named.csv", "--json").json().get("kind") == "cloud", f"a cloud in {text!r}")
     for text in ("a,b\n1,2\n3,4\n\n", "a,b\r\n1,2\r\n3,4\r\n\r\n \r\n", "\ufeffa,b\n1,2\n3,4\n", "a\n1\n2\n\n"):
