@@ -21,7 +21,6 @@ namespace {
 
 using Leaves = std::vector<const Surfel*>;
 
-constexpr std::size_t kTogether = 4;  // leaves that share a list of those near
 constexpr std::size_t kPiece = 256;   // leaves of a task, at most
 constexpr double kLeastCos = 0.5;     // of normals of one sheet
 constexpr std::size_t kAbout = 10;    // points about a place that are asked
@@ -44,26 +43,19 @@ public:
 
     void look(std::span<const Surfel* const> leaves, const LeafBalls& others,
               std::vector<Gap>& out) {
-        const LeafBalls near = meeting(leaves, others);
-        if (leaves.size() > kTogether) {
-            const std::size_t half = leaves.size() / 2;
-            look(leaves.first(half), near, out);
-            look(leaves.subspan(half), near, out);
-            return;
-        }
-        for (const Surfel* s : leaves)
-            if (!s->sharp) look_about(*s, near, out);
+        for_leaves_together(leaves, others,
+                            [&](std::size_t, std::span<const Surfel* const> some,
+                                const LeafBalls& near) {
+                                for (const Surfel* s : some)
+                                    if (!s->sharp) look_about(*s, near, out);
+                            });
     }
 
 private:
     void look_about(const Surfel& s, const LeafBalls& others, std::vector<Gap>& out) {
         near_.clear();
         radius_ = s.support_radius / 4;
-        for (std::size_t i = 0; i < others.size(); ++i) {
-            const Surfel* t = others[i];
-            const double reach = s.support_radius + t->support_radius;
-            if (t != &s && sq_length(t->center - s.center) < reach * reach) near_.push_back(t);
-        }
+        append_meeting(s, others, near_);
         for (int k = 0; k < kRimDirections; ++k) {
             const auto [u, v] = rim_direction(k);
             const Vec3d x = s.center + place_beyond(s, u, v) * s.support_radius;

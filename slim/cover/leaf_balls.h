@@ -87,4 +87,28 @@ inline LeafBalls meeting(std::span<const Surfel* const> leaves, const LeafBalls&
     return others.meeting(box);
 }
 
+/// visit(first, some, near) for leaves that follow a curve, a few at a time: those from number
+/// `first` on, and those of the others whose balls meet a box about theirs.
+/// Cost: O(log(leaves)) lists of others that get shorter.
+template <class Visit>
+void for_leaves_together(std::span<const Surfel* const> leaves, const LeafBalls& others,
+                         const Visit& visit, std::size_t first = 0) {
+    constexpr std::size_t kTogether = 4;
+    const LeafBalls near = meeting(leaves, others);
+    if (leaves.size() <= kTogether) return visit(first, leaves, near);
+    const std::size_t half = leaves.size() / 2;
+    for_leaves_together(leaves.first(half), near, visit, first);
+    for_leaves_together(leaves.subspan(half), near, visit, first + half);
+}
+
+/// Adds those others whose balls meet that of a leaf.
+inline void append_meeting(const Surfel& leaf, const LeafBalls& others,
+                           std::vector<const Surfel*>& out) {
+    for (std::size_t i = 0; i < others.size(); ++i) {
+        const Surfel* t = others[i];
+        const double reach = leaf.support_radius + t->support_radius;
+        if (t != &leaf && sq_length(t->center - leaf.center) < reach * reach) out.push_back(t);
+    }
+}
+
 }  // namespace slim

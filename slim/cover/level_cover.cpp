@@ -83,7 +83,8 @@ LevelCover::LevelCover(const PointBlock& points, const CoverRules& rules,
       pyramid_(pyramid),
       leaves_(points, rules, pyramid_),
       states_(points, rules),
-      second_(rules.fits_again() ? points.size() : 0),
+      second_(rules.fits_again() ? points.size() : 0,
+              may_be_needless(rules, leaves_.spacing())),
       open_(points.size()),
       work_([&rules] {
           LeafWork w;

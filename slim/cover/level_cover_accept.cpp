@@ -125,7 +125,7 @@ void LevelCover::accept_leaf(CoverCandidate& c, int level) {
 /// Once all leaves are known. Those of coarse levels, of whose points a slice sees a part only,
 /// stay as they are.
 void LevelCover::finish_leaves() {
-    if (may_be_needless(rules_, leaves_.spacing()))
+    if (second_.removes())
         second_.remove(pyramid_.all(), needless_rules(rules_, leaves_.spacing()),
                        [&](const FittedSurfel& leaf, const LeafCount& count) {
                            if (is_kept(leaf)) out_.counts.take_back(leaf, count);

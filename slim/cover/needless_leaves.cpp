@@ -152,27 +152,7 @@ std::vector<Needless> candidates_of(const Removal& removal, const NeedlessRules&
     return out;
 }
 
-/// Fills the neighbours of some candidates that lie together, of leaves that may be relied on.
-void find_near(std::span<Needless* const> some, const Pieces& leaves, const LeafBalls& others) {
-    constexpr std::size_t kTogether = 4;
-    Leaves surfels;
-    for (const Needless* c : some) surfels.push_back(&leaves[c->piece][c->index].surfel);
-    const LeafBalls near = meeting(surfels, others);
-    if (some.size() > kTogether) {
-        const std::size_t half = some.size() / 2;
-        find_near(some.first(half), leaves, near);
-        return find_near(some.subspan(half), leaves, near);
-    }
-    for (std::size_t k = 0; k < some.size(); ++k)
-        for (std::size_t i = 0; i < near.size(); ++i) {
-            const double reach = surfels[k]->support_radius + near[i]->support_radius;
-            if (near[i] != surfels[k] &&
-                sq_length(near[i]->center - surfels[k]->center) < reach * reach)
-                some[k]->near.push_back(near[i]);
-        }
-}
-
-/// The same of all candidates.
+/// Fills the neighbours of the candidates, of leaves that may be relied on.
 void find_neighbours(std::vector<Needless>& candidates, const NeedlessRules& rules,
                      const Pieces& leaves) {
     Leaves stay;
@@ -184,7 +164,15 @@ void find_neighbours(std::vector<Needless>& candidates, const NeedlessRules& rul
     const auto along = leaves_along_curve(some, [&](const Needless& c) -> const Surfel& {
         return leaves[c.piece][c.index].surfel;
     });
-    if (!along.empty()) find_near(along, leaves, LeafBalls(stay));
+    if (along.empty()) return;
+    Leaves surfels;
+    for (const Needless* c : along) surfels.push_back(&leaves[c->piece][c->index].surfel);
+    for_leaves_together(surfels, LeafBalls(stay),
+                        [&](std::size_t first, std::span<const Surfel* const> together,
+                            const LeafBalls& near) {
+                            for (std::size_t k = 0; k < together.size(); ++k)
+                                append_meeting(*together[k], near, along[first + k]->near);
+                        });
 }
 
 }  // namespace

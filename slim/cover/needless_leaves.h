@@ -70,8 +70,8 @@ NeedlessRules needless_rules(const CoverRules& rules, double spacing);
 /// all leaves in it, those that do not wait too; n_drawn: how many draw each, without those of other
 /// slices, which may take them away: what is drawn here relies on none. Both are changed as leaves
 /// go, which `removed` sees. The same for any number of threads.
-/// Cost: a look at each leaf's centre; a gather, and 16 bytes a point of its ball, for each that
-/// its centre does not need (a third).
+/// Cost: a look at each leaf's centre; a gather for each that its centre does not need (a third); 16
+/// bytes a point of its ball and 61 places asked of its neighbours for each that may go.
 void remove_needless(const PointTree& points, const NeedlessRules& rules,
                      std::span<const std::uint32_t> centers, std::span<BlendResidual> blend,
                      std::span<std::uint8_t> n_drawn,

@@ -18,14 +18,16 @@ void SecondFit::blend(const CoveringSurfel& leaf, bool stays) {
         const LeafShare share = shares.of(p);
         blend_[p.point].weight += share.weight;
         blend_[p.point].height += share.height;
-        if (stays && share.is_drawn && n_drawn_[p.point] < 255) ++n_drawn_[p.point];
+        if (removes_ && stays && share.is_drawn && n_drawn_[p.point] < 255) ++n_drawn_[p.point];
     }
 }
 
 /// In pieces: an array that doubles would take the memory of the points.
 void SecondFit::wait(const CoveringSurfel& leaf, std::uint32_t center) {
-    centers_.push_back(center);
-    counted_.push_back(count_of(leaf));
+    if (removes_) {
+        centers_.push_back(center);
+        counted_.push_back(count_of(leaf));
+    }
     if (waiting_.empty() || waiting_.back().size() == kPiece)
         waiting_.emplace_back().reserve(kPiece);
     waiting_.back().push_back(leaf.fitted);

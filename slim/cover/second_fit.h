@@ -20,8 +20,11 @@ using CountedVisit = std::function<void(const FittedSurfel&, const LeafCount&)>;
 /// over (blend_refit.h).
 class SecondFit {
 public:
-    /// Of so many points.
-    explicit SecondFit(std::size_t n_points) : blend_(n_points), n_drawn_(n_points) {}
+    /// Of so many points. removes: whether remove() is to be called, which asks for more of them.
+    SecondFit(std::size_t n_points, bool removes)
+        : removes_(removes), blend_(n_points), n_drawn_(removes ? n_points : 0) {}
+
+    bool removes() const { return removes_; }
 
     /// Adds a leaf to what the blend leaves over at its points: those that are not fitted again too.
     /// stays: no other slice may find it needless.
@@ -49,6 +52,7 @@ public:
     }
 
 private:
+    bool removes_;  // the three after the next are for that alone
     std::vector<BlendResidual> blend_;
     std::vector<std::uint8_t> n_drawn_;  // leaves that draw a point and stay, 255 at most
     std::vector<std::uint32_t> centers_;  // of those that wait

@@ -94,56 +94,61 @@ TEST(BlendRefit, IsTheSameForAnyNumberOfThreads) {
     expect_same(with(1), with(2));
 }
 
+/// Points of a plane that lies so high above a leaf on z = 0.
+struct OneLeaf {
+    PointBlock block;
+    PointTree tree;
+    FittedSurfel leaf;
+    std::vector<FittedSurfel*> alone{&leaf};
+
+    OneLeaf(double height, int degree)
+        : block(along_curve(graph_points(400, 1, 3, [=](double, double) { return height; }))),
+          tree(upright()) {
+        leaf.surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, degree};
+    }
+
+private:
+    PointTree upright() {
+        for (Vec3f& n : block.normal) n = {0, 0, 1};
+        return tree_of(block);
+    }
+};
+
 // Points of two planes off a leaf alike by d: the blend tells d, and all of it is believed.
 TEST(BlendRefit, WhatAllPointsSayIsTakenOver) {
-    PointBlock block = along_curve(graph_points(400, 1, 3, [](double, double) { return 0.01; }));
-    for (Vec3f& n : block.normal) n = {0, 0, 1};
-    const PointTree tree = tree_of(block);
-    std::vector<FittedSurfel> leaf(1);
-    const std::vector<FittedSurfel*> alone{&leaf[0]};
-    leaf[0].surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
-    leaf[0].flags = kLeaf;
-    const std::vector<BlendResidual> residuals(block.size(), BlendResidual{0.5f, 0.005f});
-    EXPECT_EQ(refit_to_blend(tree, residuals, alone), 1u);
-    EXPECT_NEAR(leaf[0].surfel.polynomial.a[0], 0.01, 1e-6);
-    EXPECT_NEAR(leaf[0].surfel.polynomial.a[1], 0, 1e-6);
+    OneLeaf one(0.01, 1);
+    one.leaf.flags = kLeaf;
+    const std::vector<BlendResidual> residuals(one.block.size(), BlendResidual{0.5f, 0.005f});
+    EXPECT_EQ(refit_to_blend(one.tree, residuals, one.alone), 1u);
+    EXPECT_NEAR(one.leaf.surfel.polynomial.a[0], 0.01, 1e-6);
+    EXPECT_NEAR(one.leaf.surfel.polynomial.a[1], 0, 1e-6);
 }
 
 // What a leaf moves by is off the residuals then: nothing is left over to a next fit.
 TEST(BlendRefit, ResidualsFollowWhatLeavesMoveBy) {
-    PointBlock block = along_curve(graph_points(400, 1, 3, [](double, double) { return 0.01; }));
-    for (Vec3f& n : block.normal) n = {0, 0, 1};
-    const PointTree tree = tree_of(block);
-    std::vector<FittedSurfel> leaf(1);
-    const std::vector<FittedSurfel*> alone{&leaf[0]};
-    leaf[0].surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
-    std::vector<BlendResidual> residuals(block.size());
-    for (std::size_t i = 0; i < block.size(); ++i) {
-        const auto g = static_cast<float>(weight_kernel(sq_length(block.position[i])));
+    OneLeaf one(0.01, 1);
+    std::vector<BlendResidual> residuals(one.block.size());
+    for (std::size_t i = 0; i < one.block.size(); ++i) {
+        const auto g = static_cast<float>(weight_kernel(sq_length(one.block.position[i])));
         residuals[i] = {g, g * 0.01f};
     }
-    std::vector<float> moved(block.size());
-    EXPECT_EQ(refit_to_blend(tree, residuals, alone, moved), 1u);
-    for (std::size_t i = 0; i < block.size(); ++i)
+    std::vector<float> moved(one.block.size());
+    EXPECT_EQ(refit_to_blend(one.tree, residuals, one.alone, moved), 1u);
+    for (std::size_t i = 0; i < one.block.size(); ++i)
         EXPECT_NEAR(residuals[i].height + moved[i], 0, 1e-6) << i;
 }
 
 // Residuals without any order are chance.
 TEST(BlendRefit, ChanceIsNotBelieved) {
-    PointBlock block = along_curve(graph_points(400, 1, 3, [](double, double) { return 0.0; }));
-    for (Vec3f& n : block.normal) n = {0, 0, 1};
-    const PointTree tree = tree_of(block);
-    std::vector<FittedSurfel> leaf(1);
-    const std::vector<FittedSurfel*> alone{&leaf[0]};
-    leaf[0].surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 2};
-    std::vector<BlendResidual> residuals(block.size());
+    OneLeaf one(0, 2);
+    std::vector<BlendResidual> residuals(one.block.size());
     for (std::size_t i = 0; i < residuals.size(); ++i)
-        residuals[i] = {1, keyed_hash(5, block.id[i]) & 1 ? 0.01f : -0.01f};
-    refit_to_blend(tree, residuals, alone);
-    for (const double a : leaf[0].surfel.polynomial.a) EXPECT_LT(std::abs(a), 0.004);
+        residuals[i] = {1, keyed_hash(5, one.block.id[i]) & 1 ? 0.01f : -0.01f};
+    refit_to_blend(one.tree, residuals, one.alone);
+    for (const double a : one.leaf.surfel.polynomial.a) EXPECT_LT(std::abs(a), 0.004);
     std::fill(residuals.begin(), residuals.end(), BlendResidual{1, 0});
-    leaf[0].surfel.polynomial = {};
-    EXPECT_EQ(refit_to_blend(tree, residuals, alone), 0u) << "nothing is left over";
+    one.leaf.surfel.polynomial = {};
+    EXPECT_EQ(refit_to_blend(one.tree, residuals, one.alone), 0u) << "nothing is left over";
 }
 
 }  // namespace
