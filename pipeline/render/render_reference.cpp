@@ -1,11 +1,11 @@
 #include "pipeline/render/render_reference.h"
 
 #include "pipeline/contains.h"
-#include "pipeline/render/curvature_noise.h"
 #include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_contours.h"
 #include "pipeline/render/render_frames.h"
 #include "pipeline/render/render_maps.h"
+#include "slim/tree/curvature_noise.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,10 +1,10 @@
 #include "pipeline/render/render_stage.h"
 
-#include "pipeline/render/curvature_noise.h"
 #include "pipeline/render/render_look.h"
 #include "pipeline/render/render_maps.h"
 #include "pipeline/render/render_uses.h"
 #include "slim/base/error.h"
+#include "slim/tree/curvature_noise.h"
 #include "tests/pipeline/render/render_test_support.h"
 
 #include <gtest/gtest.h>

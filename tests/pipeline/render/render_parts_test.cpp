@@ -1,9 +1,9 @@
 #include "pipeline/render/render_parts.h"
 
-#include "pipeline/render/curvature_noise.h"
 #include "raytrace/lines/extract.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/project/forward_renderer.h"
+#include "slim/tree/curvature_noise.h"
 #include "slim/tree/drawn_bounds.h"
 #include "tests/pipeline/render/render_outputs_support.h"
 

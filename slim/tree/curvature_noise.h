@@ -14,7 +14,7 @@ struct SampledNodes {
 };
 
 /// The nodes that curvature_noise() is to look at, the same for every view: all of models up to
-/// 65,536 nodes, which are read whole (ModelReads), else 1,920 in 60 runs, so that few pages of the
+/// 65,536 nodes, else 1,920 in 60 runs, so that few pages of the
 /// file are read for them: 0.5 MB. Of a sculpture of 238,542 such samples give what is the middle
 /// leaf between 44 and 55 in 100 of the area, evenly spaced ones anything: a third of the area
 /// lies in the first tenth of the nodes.

@@ -1,4 +1,4 @@
-#include "pipeline/render/curvature_noise.h"
+#include "slim/tree/curvature_noise.h"
 
 #include <algorithm>
 #include <cmath>
