@@ -108,6 +108,7 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
             {"of_contrary_scans", r.of_contrary_scans},
             {"of_contrary_patches", r.of_contrary_patches},
             {"estimates_turned", r.estimates_turned},
+            {"estimates_widened", r.estimates_widened},
             {"estimated", r.estimated},
             {"neighbors", r.neighbors},
             {"degenerate", r.degenerate},
@@ -199,7 +200,7 @@ bool has_room_for_freed(const SlicePlan& plan) {
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
     for (const char* key :
          {"points", "kept", "turned", "of_contrary_scans", "of_contrary_patches",
-          "estimates_turned", "estimated", "degenerate", "noisy", "oriented_by_sensor",
+          "estimates_turned", "estimates_widened", "estimated", "degenerate", "noisy", "oriented_by_sensor",
           "oriented_by_neighbors", "oriented_by_rule", "unanchored_components"})
         sum[key] = sum.value(key, std::uint64_t{0}) + one.at(key).get<std::uint64_t>();
     sum["neighbors"] = std::max(sum.value("neighbors", std::uint64_t{0}),

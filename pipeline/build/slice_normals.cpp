@@ -28,6 +28,8 @@ constexpr std::size_t kFew = 100;  // one in so many, or less, is not worth it
 // Neighbours for an estimate, at most: the radius of their ball, sqrt(k / pi) spacings, is 1.4
 // times the noise or more (slim/normals/notes/0002).
 constexpr std::size_t kMostNeighbors = 64;
+// Noise in spacings from which on more are taken where those show no plane: 16 reach 2.3 spacings.
+constexpr double kThick = 0.5;
 
 // of squares of lengths that floats hold to the last bit
 constexpr float kLeastSquare = 1e-30f, kMostSquare = 1e30f;
@@ -61,20 +63,28 @@ std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
     return out;
 }
 
+/// What normals are estimated from.
+struct EstimateRules {
+    std::size_t neighbors = kUsualNeighbors;
+    NoiseOfPoints noise = NoiseOfPoints::thin;
+};
+
 /// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are
 /// to be estimated.
-std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& search,
+EstimateRules rules_for_noise(const PointBlock& points, const NearestSearch& search,
                                 const std::vector<bool>& own, std::size_t n_wanted) {
-    if (kFew * n_wanted < points.size()) return kUsualNeighbors;
+    if (kFew * n_wanted < points.size()) return {};
     const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
     const std::vector<std::uint32_t> samples = sample_points(points, own, kFewSamples / n_own);
     const std::size_t fewest = neighbors_beyond_strips(search, samples, kUsualNeighbors);
-    if (fewest > kUsualNeighbors) return fewest;
+    if (fewest > kUsualNeighbors) return {fewest};
     const NoiseVariance noise = estimate_noise_variance(search, samples, 0);
-    if (!(noise.spacing > 0)) return kUsualNeighbors;
-    const double k = 2 * std::numbers::pi * noise.typical / (noise.spacing * noise.spacing);
-    return static_cast<std::size_t>(
-        std::clamp(std::ceil(k), double{kUsualNeighbors}, double{kMostNeighbors}));
+    if (!(noise.spacing > 0)) return {};
+    const double sq_share = noise.typical / (noise.spacing * noise.spacing);
+    const double k = std::ceil(2 * std::numbers::pi * sq_share);
+    return {static_cast<std::size_t>(
+                std::clamp(k, double{kUsualNeighbors}, double{kMostNeighbors})),
+            sq_share > kThick * kThick ? NoiseOfPoints::thick : NoiseOfPoints::thin};
 }
 
 /// Estimates and orients the normals of `wanted`; the signs of the others are taken as known.
@@ -83,11 +93,14 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
                       const std::optional<WholeScene>& whole, const std::vector<Vec3d>& sensors,
                       const std::vector<Vec3f>& hints, int neighbors, bool seen_from_above,
                       NormalsReport& report) {
-    report.neighbors = neighbors > 0 ? static_cast<std::size_t>(neighbors)
-                                     : neighbors_for_noise(points, search, own, wanted.size());
-    NeighborGraph graph =
-        estimate_normals(points, search, wanted, report.neighbors, report.degenerate, own);
+    const EstimateRules rules = neighbors > 0
+                                    ? EstimateRules{static_cast<std::size_t>(neighbors)}
+                                    : rules_for_noise(points, search, own, wanted.size());
+    report.neighbors = rules.neighbors;
+    NeighborGraph graph = estimate_normals(points, search, wanted, rules.neighbors,
+                                           report.degenerate, own, rules.noise);
     report.on_lines = graph.n_on_lines;
+    report.estimates_widened = graph.n_widened;
     report.estimated = count_own(own, wanted);
     std::vector<bool> known(points.size(), true);
     for (const std::uint32_t i : wanted) {

@@ -21,6 +21,7 @@ struct NormalsReport {
     std::size_t kept = 0, turned = 0,
                 estimated = 0;  ///< what became of the cloud's own, and how many had none
     std::size_t estimates_turned = 0;                 ///< as their neighbours opposed them
+    std::size_t estimates_widened = 0;  ///< from more neighbours: noise is as thick as those reach
     std::size_t of_contrary_scans = 0;  ///< of scans that were turned whole, before all else
     /// of patches that oppose those about them; turned in a job of one slice
     std::size_t of_contrary_patches = 0;

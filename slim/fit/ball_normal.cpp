@@ -8,6 +8,7 @@
 namespace slim {
 namespace {
 
+constexpr double kSideInDoubt = 0.6;  // cosine of the mean to the normal of the centre
 constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
 
 template <class T>
@@ -31,11 +32,14 @@ Vec3d least_spread_direction(const BallPoints<T>& p, double shrink) {
     return {n.x(), n.y(), n.z()};
 }
 
-}  // namespace
+/// sum G n_i over the points on the side of `side`, and sum G; weights at |x| / shrink.
+struct NormalSum {
+    Vec3d sum;
+    double weight;
+};
 
 template <class T>
-[[gnu::flatten]] BallNormal average_normal(const BallPoints<T>& p, double shrink,
-                                           const Vec3d& side) {
+NormalSum sum_on_side(const BallPoints<T>& p, double shrink, const Vec3d& side) {
     using V = stdx::native_simd<T>;
     const auto lanes = [](const auto& a, std::size_t i) { return V(&a[i], stdx::element_aligned); };
     const Vec3<V> s{V(T(side.x)), V(T(side.y)), V(T(side.z))};
@@ -49,10 +53,22 @@ template <class T>
         lane_sum.x += g * nx, lane_sum.y += g * ny, lane_sum.z += g * nz;
         lane_weight += g;
     }
-    const Vec3d sum{stdx::reduce(lane_sum.x), stdx::reduce(lane_sum.y), stdx::reduce(lane_sum.z)};
-    const double weight = stdx::reduce(lane_weight);
-    const double len = length(sum);
-    if (len > kLeastAgreement * weight && len > 0) return {sum / len, false};
+    return {{stdx::reduce(lane_sum.x), stdx::reduce(lane_sum.y), stdx::reduce(lane_sum.z)},
+            stdx::reduce(lane_weight)};
+}
+
+}  // namespace
+
+template <class T>
+[[gnu::flatten]] BallNormal average_normal(const BallPoints<T>& p, double shrink,
+                                           const Vec3d& side) {
+    NormalSum found = sum_on_side(p, shrink, side);
+    double len = length(found.sum);
+    if (len > 0 && dot(found.sum, side) < kSideInDoubt * len * length(side)) {
+        found = sum_on_side(p, shrink, found.sum / len);
+        len = length(found.sum);
+    }
+    if (len > kLeastAgreement * found.weight && len > 0) return {found.sum / len, false};
     const Vec3d known = sq_length(side) > 0 ? side : Vec3d{0, 0, 1};
     if (p.n < 3) return {known, true};
     const Vec3d n = least_spread_direction(p, shrink);

@@ -8,7 +8,8 @@
 namespace slim {
 
 /// Average normal of a ball: sum G n_i over the points on the side of `side` (the centre's own
-/// normal), weights at |x| / shrink. Where the normals disagree (|sum| < 0.3 sum G), the direction
+/// normal), weights at |x| / shrink; where that is far from `side`, which noise has tilted, over
+/// those on its own side (slim/normals/notes/0008). Where the normals disagree (|sum| < 0.3 sum G), the direction
 /// of least spread of the points, signed by `side` (NUMERICS 2.1). Unit; `side` itself if the ball
 /// is empty (+z if that is zero).
 struct BallNormal {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -27,6 +28,9 @@ constexpr double kFarthestOfFew = 3;
 // The plane of a strip is not that of many more neighbours.
 constexpr std::size_t kManyMore = 16, kStripSamples = 300, kFewestStripSamples = 50;
 
+// Standard error of an estimate's direction, radians, from which on it says little of the surface.
+constexpr double kDoubtful = 0.2;
+
 // neighbours of a point that the graph lists of more, evenly: what signs are voted by
 constexpr std::size_t kListed = 16;
 
@@ -34,6 +38,15 @@ constexpr std::size_t kListed = 16;
 enum class Kind : std::uint8_t { unknown, patch, line };
 
 Kind kind_of(const Spread& spread) { return is_on_line(spread) ? Kind::line : Kind::patch; }
+
+/// Whether noise is as thick as k neighbours reach. With r, the ratio of the two least eigenvalues,
+/// the direction of the least has the standard error sqrt(r / k) / (1 - r) (first order perturbation
+/// of the covariance of k normal variates). Where two faces meet at right angles r is a quarter:
+/// 0.17 of 16.
+bool is_doubtful(const Spread& s, std::size_t k) {
+    const double ratio = s.middle > 0 ? s.smallest / s.middle : 1;
+    return !(std::sqrt(ratio / static_cast<double>(k)) < kDoubtful * (1 - ratio));
+}
 
 /// Lists some of a point's neighbours, evenly; of fewer the rest of the row is the point itself.
 void list_neighbors(NeighborGraph& graph, std::size_t row, std::span<const std::uint32_t> found) {
@@ -98,6 +111,34 @@ std::vector<std::uint32_t> widen(PointBlock& points, const NearestSearch& search
     return rows;
 }
 
+/// Estimates the normals of some rows from more neighbours, twice as many until their plane is known.
+/// Returns the rows that have one; the others are as they were.
+std::vector<std::uint32_t> widen_in_noise(PointBlock& points, const NearestSearch& search,
+                                          NeighborGraph& graph, std::vector<std::uint32_t> rows,
+                                          std::size_t k) {
+    const std::size_t most = std::min(kMostOfPatch, points.size());
+    std::vector<std::uint32_t> widened;
+    while (!rows.empty() && k < most) {
+        k = std::min(2 * k, most);
+        std::vector<std::uint32_t> wanted;
+        for (const std::uint32_t row : rows) wanted.push_back(graph.points[row]);
+        std::vector<std::uint8_t> is_left(rows.size());  // a byte each: threads write side by side
+        search.for_each(wanted, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
+            const Spread spread = spread_of(points.position, neighbors);
+            is_left[r] = is_doubtful(spread, k);
+            if (is_left[r]) return;
+            points.normal[wanted[r]] = normalized(to_float(spread.normal));
+            list_neighbors(graph, rows[r], neighbors);
+        });
+        std::size_t n_left = 0;
+        for (std::size_t r = 0; r < rows.size(); ++r)
+            if (is_left[r]) rows[n_left++] = rows[r];
+            else widened.push_back(rows[r]);
+        rows.resize(n_left);
+    }
+    return widened;
+}
+
 /// Repeats take the normal of the point before, which is their only neighbour.
 void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlock& points) {
     for (std::size_t row = 0; row < graph.points.size(); ++row) {
@@ -154,7 +195,8 @@ std::size_t neighbors_beyond_strips(const NearestSearch& search,
 
 NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
                                std::span<const std::uint32_t> wanted, std::size_t k,
-                               std::size_t& degenerate, const std::vector<bool>& counted) {
+                               std::size_t& degenerate, const std::vector<bool>& counted,
+                               NoiseOfPoints noise) {
     NeighborGraph graph;
     graph.k = std::min({k, kListed, points.size()});
     graph.points.assign(wanted.begin(), wanted.end());
@@ -166,22 +208,31 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
         searched.push_back(wanted[row]);
     }
     std::vector<Kind> kinds(points.size());
+    std::vector<std::uint8_t> doubtful(noise == NoiseOfPoints::thick ? rows.size() : 0);
     std::atomic<std::size_t> lines{0};
     search.for_each(searched, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
         const Spread spread = spread_of(points.position, neighbors);
         const bool counts = counted.empty() || counted[searched[r]];
         if (counts && !(spread.middle > kSpansPlane * spread.largest)) ++lines;
         kinds[searched[r]] = kind_of(spread);
+        if (!doubtful.empty()) doubtful[r] = is_doubtful(spread, k);
         points.normal[searched[r]] = normalized(to_float(spread.normal));
         list_neighbors(graph, rows[r], neighbors);
     });
     const std::vector<std::uint32_t> on_lines = rows_on_lines(graph, rows, kinds);
     const double farthest = on_lines.size() < rows.size() ? kFarthestOfFew : INFINITY;
     const std::vector<std::uint32_t> left = widen(points, search, graph, on_lines, k, farthest);
-    graph.n_on_lines = static_cast<std::size_t>(
-        std::count_if(left.begin(), left.end(), [&](std::uint32_t row) {
-            return counted.empty() || counted[graph.points[row]];
-        }));
+    const auto count = [&](const std::vector<std::uint32_t>& some) {
+        return static_cast<std::size_t>(
+            std::count_if(some.begin(), some.end(), [&](std::uint32_t row) {
+                return counted.empty() || counted[graph.points[row]];
+            }));
+    };
+    graph.n_on_lines = count(left);
+    std::vector<std::uint32_t> in_doubt;
+    for (std::size_t r = 0; r < doubtful.size(); ++r)
+        if (doubtful[r] && kinds[searched[r]] == Kind::patch) in_doubt.push_back(rows[r]);
+    graph.n_widened = count(widen_in_noise(points, search, graph, std::move(in_doubt), k));
     degenerate = lines;
     copy_to_repeats(search, graph, points);
     return graph;

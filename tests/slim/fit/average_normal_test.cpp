@@ -28,6 +28,26 @@ TEST(AverageNormal, TakesTheSideOfTheCentre) {
     EXPECT_TRUE(aside.empty());
 }
 
+TEST(AverageNormal, IsThatOfTheBallWhereNoiseTiltsTheCentres) {
+    auto ball = ball_of<float>(4000, 1, 12, [](double, double) { return 0.0; });
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        // Every direction of the upper half, as noise thicker than the spacing has it.
+        const double angle = 2.399963 * static_cast<double>(i);
+        const double z = (static_cast<double>(i) + 0.5) / static_cast<double>(ball.n);
+        const double across = std::sqrt(1 - z * z);
+        ball.nx[i] = static_cast<float>(across * std::cos(angle));
+        ball.ny[i] = static_cast<float>(across * std::sin(angle));
+        ball.nz[i] = static_cast<float>(z);
+    }
+    const Vec3d tilted = normalized(Vec3d{1, 0, 0.2});
+    const BallNormal n = average_normal(ball, 1, tilted);
+    EXPECT_FALSE(n.disagree);
+    // Of those on the side of the centre's alone it is 43 degrees off.
+    EXPECT_GT(n.normal.z, std::cos(0.42));
+    const BallNormal again = average_normal(ball, 1, n.normal);
+    EXPECT_GT(dot(again.normal, n.normal), std::cos(0.42));
+}
+
 TEST(AverageNormal, FallsBackOnTheLeastSpreadWhereNormalsDisagree) {
     auto ball = ball_of<double>(400, 1, 10, [](double u, double) { return 0.2 * u; });
     for (std::size_t i = 0; i < ball.n; ++i) {

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <random>
 #include <vector>
 
 namespace slim::test {
@@ -52,6 +53,65 @@ TEST(EstimateNormals, IsWithinADegreeOnASphere) {
     }
     const double rms_deg = std::sqrt(sq_sum / 20000) * 180 / std::numbers::pi;
     EXPECT_LT(rms_deg, 1);
+}
+
+/// A unit square of points with noise that is so many spacings thick, along all axes.
+PointBlock noisy_square(std::size_t n, double noise, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> place(0, 1);
+    std::normal_distribution<double> off(0, noise / std::sqrt(static_cast<double>(n)));
+    std::vector<Vec3d> points;
+    for (std::size_t i = 0; i < n; ++i)
+        points.push_back(
+            {place(random) + off(random), place(random) + off(random), off(random)});
+    return along_curve(block_of(points, std::vector<Vec3f>(n)));
+}
+
+/// Share of the normals that are within so many degrees of the z axis, on either side.
+double share_upright(const PointBlock& block, double degrees) {
+    const double least = std::cos(degrees * std::numbers::pi / 180);
+    std::size_t upright = 0;
+    for (const Vec3f& n : block.normal) upright += std::abs(n.z) > least;
+    return static_cast<double>(upright) / static_cast<double>(block.size());
+}
+
+TEST(EstimateNormals, TakesMoreNeighboursWhereNoiseHidesTheirPlane) {
+    for (const double noise : {1.4, 4.0}) {
+        PointBlock block = noisy_square(20000, noise, 5), few = block;
+        std::size_t degenerate = 0;
+        const NearestSearch search(block.position);
+        const auto all = all_of(block);
+        estimate_normals(few, search, all, 16, degenerate);
+        const NeighborGraph graph = estimate_normals(block, search, all, 16, degenerate, {},
+                                                     NoiseOfPoints::thick);
+        EXPECT_LT(share_upright(few, 30), 0.75) << noise;
+        EXPECT_GT(share_upright(block, 30), 0.92) << noise;
+        EXPECT_GT(graph.n_widened, block.size() / 4) << noise;
+        EXPECT_EQ(degenerate, 0u);
+    }
+}
+
+TEST(EstimateNormals, KeepsTheUsualNeighboursOfAThinSurfaceAndACorner) {
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> place(0, 1);
+    std::vector<Vec3d> points;  // three faces of a cube
+    for (int i = 0; i < 6000; ++i) {
+        Vec3d p{place(random), place(random), place(random)};
+        (i % 3 == 0 ? p.x : i % 3 == 1 ? p.y : p.z) = 0;
+        points.push_back(p);
+    }
+    PointBlock block = along_curve(block_of(points, std::vector<Vec3f>(points.size()))),
+               few = block;
+    std::size_t degenerate = 0;
+    const NearestSearch search(block.position);
+    const auto all = all_of(block);
+    estimate_normals(few, search, all, 16, degenerate);
+    const NeighborGraph graph =
+        estimate_normals(block, search, all, 16, degenerate, {}, NoiseOfPoints::thick);
+    EXPECT_LT(graph.n_widened, block.size() / 50);
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) changed += !(block.normal[i] == few.normal[i]);
+    EXPECT_LE(changed, graph.n_widened);
 }
 
 TEST(EstimateNormals, CountsNeighboursThatSpanNoPlane) {
