@@ -197,7 +197,7 @@ PlyReader::Field PlyReader::field(int property) const {
 }
 
 void PlyReader::read_records(PointChunk& out, std::size_t n) {
-    out.resize(0, info_);
+    out.resize(std::min(out.size(), n), info_);  // what it held before need not be cleared
     const std::size_t block = std::max<std::size_t>(1, kBlockBytes / record_size_);
     for (std::size_t done = 0; done < n;) {
         const std::size_t wanted = std::min(block, n - done);
@@ -206,7 +206,7 @@ void PlyReader::read_records(PointChunk& out, std::size_t n) {
         if (rows == 0)
             throw FormatError(message(in_.path(), ": byte ", in_.offset(), ": the file ends after ",
                                       n_read_ + done, " of ", vertex_->count, " declared points"));
-        out.resize(done + rows, info_);
+        if (out.size() < done + rows) out.resize(done + rows, info_);
         decode_records(bytes.data(), done, rows, out);
         in_.advance(rows * record_size_);
         done += rows;

@@ -200,14 +200,19 @@ private:
     template <class Choose>
     void keep(std::size_t i, const PieceColumns& columns, const Choose& choose) {
         constexpr std::size_t kFew = 4;  // one in so many
-        std::vector<bool> wanted(slice.pieces()[i].n_points);
-        for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] = choose(columns, k);
-        const auto n_wanted =
-            static_cast<std::size_t>(std::count(wanted.begin(), wanted.end(), true));
+        const std::size_t n_here = slice.pieces()[i].n_points;
+        std::vector<std::uint32_t> wanted(n_here);
+        std::size_t n_wanted = 0;
+        for (std::size_t k = 0; k < n_here; ++k) {
+            wanted[n_wanted] = static_cast<std::uint32_t>(k);
+            n_wanted += choose(columns, k) ? 1 : 0;
+        }
+        wanted.resize(n_wanted);
         taken[i] = n_wanted;
-        if (n_wanted == 0 || n_wanted == wanted.size()) return;
-        if (kFew * n_wanted > wanted.size()) {
-            chosen[i] = std::move(wanted);
+        if (n_wanted == 0 || n_wanted == n_here) return;
+        if (kFew * n_wanted > n_here) {
+            chosen[i].assign(n_here, false);
+            for (const std::uint32_t k : wanted) chosen[i][k] = true;
             return;
         }
         PointBlock& to = kept[i];
@@ -215,7 +220,7 @@ private:
         to.id.resize(n_wanted);
         if (slice.has_normals()) to.normal.resize(n_wanted);
         if (slice.has_scans()) to.scan.resize(n_wanted);
-        columns.copy_to(wanted, to, 0);
+        columns.copy_to(std::span<const std::uint32_t>(wanted), to, 0);
     }
 };
 

@@ -20,14 +20,19 @@ public:
     explicit Bytes(std::size_t n) : bytes_(n) {}
 
     template <class T>
-    void put(const T& value) {
-        std::memcpy(bytes_.data() + n_, &value, sizeof(T));
-        n_ += sizeof(T);
-    }
-    template <class T>
     void put_all(const T* values, std::size_t n) {
         std::memcpy(bytes_.data() + n_, values, n * sizeof(T));
         n_ += n * sizeof(T);
+    }
+    /// make(i) for i in [0, n)
+    template <class Make>
+    void put_each(std::size_t n, const Make& make) {
+        unsigned char* to = bytes_.data() + n_;
+        for (std::size_t i = 0; i < n; ++i) {
+            const auto value = make(i);
+            std::memcpy(to + i * sizeof(value), &value, sizeof(value));
+        }
+        n_ += n * sizeof(make(0));
     }
     std::vector<unsigned char> take() { return std::move(bytes_); }
 
@@ -53,6 +58,13 @@ void copy_column(const unsigned char* column, std::size_t n, const std::vector<b
     }
     for (std::size_t i = 0; i < n; ++i)
         if (chosen[i]) *to++ = convert(value_at<T>(column, i));
+}
+
+/// The same of a few values, by their number.
+template <class T, class Out, class Convert>
+void copy_column(const unsigned char* column, std::size_t, std::span<const std::uint32_t> chosen,
+                 Out* to, const Convert& convert) {
+    for (const std::uint32_t i : chosen) *to++ = convert(value_at<T>(column, i));
 }
 
 }  // namespace
@@ -83,17 +95,17 @@ EncodedPiece encode_piece(const PointBlock& block, std::size_t begin, std::size_
     piece.coordinate_bytes = are_floats ? sizeof(float) : sizeof(double);
     piece.id_bytes = *most - *least <= std::numeric_limits<std::uint32_t>::max() ? 4 : 8;
     Bytes bytes(piece.n_bytes(block.has_normals(), block.has_scans()));
+    const std::size_t n = end - begin;
     if (are_floats)
-        for (std::size_t i = begin; i < end; ++i) bytes.put(to_float(block.position[i]));
+        bytes.put_each(n, [&](std::size_t i) { return to_float(block.position[begin + i]); });
     else
-        bytes.put_all(&block.position[begin], end - begin);
-    for (std::size_t i = begin; i < end; ++i) {
-        const std::uint64_t id = block.id[i] - piece.least_id;
-        if (piece.id_bytes == 4)
-            bytes.put(static_cast<std::uint32_t>(id));
-        else
-            bytes.put(id);
-    }
+        bytes.put_all(&block.position[begin], n);
+    const auto id_over_least = [&](std::size_t i) { return block.id[begin + i] - piece.least_id; };
+    if (piece.id_bytes == 4)
+        bytes.put_each(
+            n, [&](std::size_t i) { return static_cast<std::uint32_t>(id_over_least(i)); });
+    else
+        bytes.put_each(n, id_over_least);
     if (block.has_normals()) bytes.put_all(&block.normal[begin], end - begin);
     if (block.has_scans()) bytes.put_all(&block.scan[begin], end - begin);
     out.bytes = bytes.take();
@@ -121,7 +133,8 @@ std::uint64_t PieceColumns::id(std::size_t i) const {
                                                    : value_at<std::uint64_t>(ids_, i));
 }
 
-void PieceColumns::copy_to(const std::vector<bool>& chosen, PointBlock& out, std::size_t at) const {
+template <class Chosen>
+void PieceColumns::copy_chosen(const Chosen& chosen, PointBlock& out, std::size_t at) const {
     const auto copy = [&]<class T>(T, const unsigned char* column, auto& to, const auto& convert) {
         if (column) copy_column<T>(column, piece_.n_points, chosen, to.data() + at, convert);
     };
@@ -137,6 +150,15 @@ void PieceColumns::copy_to(const std::vector<bool>& chosen, PointBlock& out, std
         copy(std::uint64_t{}, ids_, out.id, over_least);
     copy(Vec3f{}, normals_, out.normal, as_it_is);
     copy(std::uint16_t{}, scans_, out.scan, as_it_is);
+}
+
+void PieceColumns::copy_to(const std::vector<bool>& chosen, PointBlock& out, std::size_t at) const {
+    copy_chosen(chosen, out, at);
+}
+
+void PieceColumns::copy_to(std::span<const std::uint32_t> chosen, PointBlock& out,
+                           std::size_t at) const {
+    copy_chosen(chosen, out, at);
 }
 
 }  // namespace slim

@@ -47,8 +47,13 @@ public:
     /// Writes the chosen points, all if `chosen` is empty, to places at, at + 1, ... of a block
     /// that has room for them.
     void copy_to(const std::vector<bool>& chosen, PointBlock& out, std::size_t at) const;
+    /// The same of a few points by their number in the piece, none of none.
+    void copy_to(std::span<const std::uint32_t> chosen, PointBlock& out, std::size_t at) const;
 
 private:
+    template <class Chosen>
+    void copy_chosen(const Chosen& chosen, PointBlock& out, std::size_t at) const;
+
     const SlicePiece& piece_;
     const unsigned char *positions_, *ids_, *normals_ = nullptr, *scans_ = nullptr;
 };

@@ -2,24 +2,20 @@
 
 #include "formats/atomic_file.h"
 #include "formats/slice_file.h"
+#include "pipeline/file_hash.h"
 #include "pipeline/json_text.h"
 #include "pipeline/run_started.h"
 #include "pipeline/version.h"
 #include "slim/base/check.h"
 #include "slim/base/error.h"
 
-#define XXH_STATIC_LINKING_ONLY  // XXH3_state_t on the stack
 #include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
-#include <memory>
 #include <set>
 
-#include <fcntl.h>
 #include <unistd.h>
 
 namespace slim {
@@ -27,28 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-constexpr std::size_t kReadSize = std::size_t{1} << 20;
-
-[[noreturn]] void fail(const fs::path& file, const char* doing) {
-    throw IoError(fmt::format("{}: cannot {}: {}", file.string(), doing, std::strerror(errno)));
-}
-
-class OpenFile {
-public:
-    explicit OpenFile(const fs::path& file)
-        : descriptor_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
-        if (descriptor_ < 0) fail(file, "read");
-    }
-    ~OpenFile() { close(descriptor_); }
-    OpenFile(const OpenFile&) = delete;
-    OpenFile& operator=(const OpenFile&) = delete;
-
-    int descriptor() const { return descriptor_; }
-
-private:
-    int descriptor_;
-};
 
 std::string hex(const XXH128_hash_t& hash) {
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
@@ -103,19 +77,7 @@ fs::path manifest_path(const fs::path& folder, const std::string& stage) {
     return folder / (stage + ".done.json");
 }
 
-std::string hash_file(const fs::path& file) {
-    const OpenFile in(file);
-    const auto buffer = std::make_unique<char[]>(kReadSize);
-    XXH3_state_t state;
-    XXH3_128bits_reset(&state);
-    for (;;) {
-        const ssize_t n = read(in.descriptor(), buffer.get(), kReadSize);
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) fail(file, "read");
-        if (n == 0) return hex(XXH3_128bits_digest(&state));
-        XXH3_128bits_update(&state, buffer.get(), static_cast<std::size_t>(n));
-    }
-}
+std::string hash_file(const fs::path& file) { return FileHash(file).finish(); }
 
 std::string hash_text(const std::string& text) {
     return hex(XXH3_128bits(text.data(), text.size()));
@@ -135,12 +97,17 @@ void Stamp::input(const fs::path& file, const std::string& identity) {
     inputs_.push_back({file, false, identity});
 }
 void Stamp::optional_input(const fs::path& file) { inputs_.push_back({file, true}); }
+void Stamp::know_hash(const fs::path& file, const std::string& hash) {
+    known_[file.string()] = hash;
+    if (context_.written) (*context_.written)[file.string()] = hash;
+}
 void Stamp::depends(const std::string& text) { depends_ += text + "\n"; }
 void Stamp::outputs(const std::vector<fs::path>& files) {
     outputs_.insert(outputs_.end(), files.begin(), files.end());
 }
 
 std::string Stamp::hash_of_input(const fs::path& file) const {
+    if (const auto known = known_.find(file.string()); known != known_.end()) return known->second;
     if (context_.written) {
         const auto known = context_.written->find(file.string());
         if (known != context_.written->end()) return known->second;

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,6 +51,9 @@ public:
     /// The same for a file that says itself what distinguishes it, so that it need not be read.
     void input(const std::filesystem::path& file, const std::string& identity);
     void optional_input(const std::filesystem::path& file);
+    /// The hash of an input whose bytes went through a FileHash as the work read them: neither this
+    /// Stamp nor those of the same build read the file once more.
+    void know_hash(const std::filesystem::path& file, const std::string& hash);
     /// Adds anything else the outputs depend on ("slice=3", a value from another stage's result).
     void depends(const std::string& text);
     /// Adds files that this command is asked to write. Stated once: up_to_date() asks the manifest
@@ -87,6 +91,7 @@ private:
     std::vector<Input> inputs_;
     std::vector<std::filesystem::path> outputs_;
     std::string depends_;
+    std::map<std::string, std::string> known_;  // hashes by path
     std::chrono::steady_clock::time_point start_;
     PeakMeter peak_;
     mutable nlohmann::json hashed_;  // inputs_json(), made once

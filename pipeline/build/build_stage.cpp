@@ -178,6 +178,9 @@ nlohmann::json build_in(const BuildConfig& config, BuildState& state, Stamp& sta
         }
     };
     run_next("slice", slice_config(config, work), run_slice);
+    for (const std::string& input : config.inputs)
+        if (const auto known = state.written.find(input); known != state.written.end())
+            stamp.know_hash(input, known->second);
     const auto normals = run_next("normals", normals_config(config, work), run_normals);
     const auto fit = run_next("fit", fit_config(config, work), run_fit);
     TreeConfig tree;

@@ -1,6 +1,7 @@
 #include "pipeline/build/cloud_survey.h"
 
 #include "pipeline/build/each_chunk.h"
+#include "pipeline/file_hash.h"
 #include "slim/base/common_box.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
@@ -40,13 +41,12 @@ public:
             [&] {
                 if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info))
                     stop_gathering();
-                if (!is_gathering_) count_cells(chunk.position);
+                if (is_gathering_) return take_attributes(chunk, input);
+                run_both([&] { count_cells(chunk.position); },
+                         [&] { take_attributes(chunk, input); });
             });
         if (survey_.boxes[i].empty()) survey_.some_have_breadth |= !are_of_a_line(chunk.position);
         survey_.boxes[i].extend(box);
-        for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
-        for (const std::uint16_t s : chunk.scan)
-            end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
         if (end_scan_ > 0x10000u)
             throw DataError(fmt::format("{}: the scans of all inputs together are more than 65536",
                                         input.path));
@@ -109,23 +109,36 @@ private:
 
     Bbox take_positions(const PointChunk& chunk, PlanInput& input) {
         Bbox box;
-        for (const Vec3d& p : chunk.position) {
-            ++input.n_points;
+        std::uint64_t n_dropped = 0;
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            const Vec3d& p = chunk.position[i];
             if (is_finite(p)) {
                 box.extend(p);
                 survey_.spread.add(p);
                 strays_.add(p);
-                ++survey_.n_points;
                 continue;
             }
             if (strict_)
                 throw DataError(fmt::format("{}: point {}: coordinates are not finite", input.path,
-                                            input.n_points));
-            ++input.n_dropped;
-            ++survey_.n_dropped;
+                                            input.n_points + i + 1));
+            ++n_dropped;
         }
+        input.n_points += chunk.size();
+        input.n_dropped += n_dropped;
+        survey_.n_points += chunk.size() - n_dropped;
+        survey_.n_dropped += n_dropped;
         survey_.bounds.extend(box);
         return box;
+    }
+
+    void take_attributes(const PointChunk& chunk, PlanInput& input) {
+        // Counted apart from what other threads count beside it.
+        std::uint64_t n_bad = 0;
+        for (const Vec3f& n : chunk.normal) n_bad += is_finite(n) ? 0 : 1;
+        if (n_bad > 0) input.n_bad_normals += n_bad;
+        if (chunk.scan.empty()) return;
+        const std::uint16_t last = *std::max_element(chunk.scan.begin(), chunk.scan.end());
+        end_scan_ = std::max(end_scan_, input.first_scan + last + 1u);
     }
 
     void count_cells(const std::vector<Vec3d>& positions) {
@@ -164,10 +177,17 @@ CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
                           std::uint64_t most_gathered, Reporter& reporter, bool face_points) {
     CloudSurvey survey;
     Surveyor surveyor(survey, paths, strict, most_gathered);
+    std::optional<FileHash> hash;
+    const auto hash_up_to = [&](std::size_t i, std::uint64_t n_bytes) {
+        if (hash && survey.hashes.size() < i) survey.hashes.push_back(hash->finish()), hash.reset();
+        if (!hash) hash.emplace(paths[i]);
+        hash->advance_to(n_bytes);
+    };
     for_each_chunk(paths, reporter, "reading",
                    [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t i,
                        const CloudInfo& info) { surveyor.take(chunk, first_id, i, info); },
-                   face_points);
+                   face_points, hash_up_to);
+    if (hash) survey.hashes.push_back(hash->finish());
     surveyor.finish();
     return survey;
 }

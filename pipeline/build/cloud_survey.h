@@ -19,6 +19,7 @@ namespace slim {
 /// What one pass over all clouds of a job finds out.
 struct CloudSurvey {
     std::vector<PlanInput> inputs;
+    std::vector<std::string> hashes;  ///< of the inputs' files, as hash_file() has them
     std::vector<Bbox> boxes;    ///< of the finite points of each input, world frame
     Bbox bounds;                ///< world frame, finite points
     FarStrays::Found strays;    ///< of all inputs together

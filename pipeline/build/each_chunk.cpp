@@ -36,7 +36,8 @@ void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     const std::string& doing,
                     const std::function<void(const PointChunk&, std::uint64_t, std::size_t,
                                              const CloudInfo&)>& take,
-                    bool face_points) {
+                    bool face_points,
+                    const std::function<void(std::size_t, std::uint64_t)>& beside) {
     ByteProgress progress(paths, doing, reporter);
     PointChunk chunk, next;
     std::uint64_t first_id = 0;
@@ -53,7 +54,12 @@ void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     unreadable = std::current_exception();
                 }
             };
-            run_both(read_next, [&] { take(chunk, first_id, i, source->info()); });
+            const auto take_this = [&] { take(chunk, first_id, i, source->info()); };
+            const std::uint64_t n_bytes = source->bytes_read();
+            run_both(read_next, [&] {
+                if (!beside) return take_this();
+                run_both(take_this, [&] { beside(i, n_bytes); });
+            });
             if (unreadable) std::rethrow_exception(unreadable);
             if (!more) break;
             first_id += chunk.size();

@@ -104,14 +104,18 @@ std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const Poi
     if (plan.slices.size() == 1) return std::vector<bool>(points.size(), true);
     const Bbox& region = plan.slices[slice].region;
     std::vector<bool> own(points.size());
+    const auto at = [&](std::size_t i) { return own.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::size_t whole = 0;  // buckets from there up to the next one are all own
     for (std::size_t begin = 0; begin < points.size(); begin += BoxTree::kBucket) {
         const std::size_t end = std::min(begin + BoxTree::kBucket, points.size());
         const Bbox box = boxes.bucket(begin / BoxTree::kBucket);
-        const bool is_whole = is_near(region, box, 0);
-        if (!is_whole && !comes_near(region, box, 0)) continue;
-        for (std::size_t i = begin; i < end; ++i)
-            own[i] = is_whole || is_near(region, points.position[i], 0);
+        if (is_near(region, box, 0)) continue;
+        std::fill(at(whole), at(begin), true);
+        whole = end;
+        if (!comes_near(region, box, 0)) continue;
+        for (std::size_t i = begin; i < end; ++i) own[i] = is_near(region, points.position[i], 0);
     }
+    std::fill(at(whole), own.end(), true);
     return own;
 }
 

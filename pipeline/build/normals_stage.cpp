@@ -27,6 +27,7 @@ namespace {
 constexpr double kSamples = 60000;
 constexpr std::size_t kFewestOfSlice = 100;  // samples of a slice for a mean over many neighbours
 constexpr std::uint64_t kBytesKept = 210;    // a point: 136 in use, and what is kept beside it
+constexpr std::uint64_t kBytesAhead = 46;    // a point of the next slice
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
 /// number of neighbours counts is decided for all slices together: a job of several measures each,
@@ -122,9 +123,39 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
             {"noise", measured}};
 }
 
+/// The next slice's points, read while the one before it is written and its noise measured, which
+/// leaves threads waiting.
+class ReadAhead {
+public:
+    /// Of a slice that comes next, if there is one. Not thread-safe.
+    void read(const NormalsConfig& config, const SlicePlan& plan, std::optional<std::size_t> next) {
+        if (!next) return;
+        try {
+            points_ = read_with_rims(config, plan, *next, std::nullopt);
+            slice_ = next;
+        } catch (const std::exception&) {  // its turn comes, and what is wrong is said then
+            slice_.reset();
+        }
+    }
+    /// The points of a slice if these were read; nothing is held any more.
+    std::optional<PointBlock> take(std::size_t slice) {
+        std::optional<PointBlock> out;
+        if (slice_ == slice) out = std::move(points_);
+        slice_.reset();
+        points_ = {};
+        return out;
+    }
+
+private:
+    std::optional<std::size_t> slice_;
+    PointBlock points_;
+};
+
+/// next: the slice whose points are read ahead
 nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& plan,
                                  std::size_t slice, const std::vector<Vec3d>& sensors,
-                                 const std::optional<SceneSigns>& signs, StageContext& context) {
+                                 const std::optional<SceneSigns>& signs, ReadAhead& ahead,
+                                 std::optional<std::size_t> next, StageContext& context) {
     const auto input = slice_points_path(config.work, slice);
     const auto output = oriented_points_path(config.work, slice);
     std::optional<PointBlock> handed;
@@ -144,7 +175,10 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         stamp.outputs({output});
         if (auto done = stamp.up_to_date()) return *done;
     }
-    PointBlock points = read_with_rims(config, plan, slice, std::move(handed));
+    std::optional<PointBlock> read = ahead.take(slice);
+    PointBlock points =
+        read ? std::move(*read) : read_with_rims(config, plan, slice, std::move(handed));
+    read.reset();
     sort_along_curve(points, plan.bounds);
     const NearestSearch search(points.position);
     const std::vector<bool> own = own_points(plan, slice, points, search.boxes());
@@ -164,7 +198,8 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         SliceWriter writer(output.string(), points.origin, n_own, points.has_normals(),
                            points.has_scans());
         // Neither keeps all threads busy: the file system takes one writer at a time.
-        run_both([&] { writer.append(points, own); }, measure_noise);
+        run_both([&] { writer.append(points, own); },
+                 [&] { run_both(measure_noise, [&] { ahead.read(config, plan, next); }); });
         context.check_stop();
         writer.commit();
     }
@@ -187,13 +222,25 @@ void require_slices(const NormalsConfig& config, const std::vector<std::size_t>&
             config.work, missing, config.work));
 }
 
+std::uint64_t most_of_slice(const SlicePlan& plan) {
+    std::uint64_t most = 0;
+    for (const PlanSlice& slice : plan.slices) most = std::max(most, slice.n_points);
+    return most;
+}
+
 /// Whether the arrays of one slice may be kept for the next one: not all find room among them, half
 /// as much memory again, which slices do not need where their fits hold wide halos besides.
 bool has_room_for_freed(const SlicePlan& plan) {
     if (plan.slices.size() == 1) return true;
-    std::uint64_t most = 0;
-    for (const PlanSlice& slice : plan.slices) most = std::max(most, slice.n_points);
-    return kBytesKept * most <= kBytesPerPoint * plan.most_within.back();
+    return kBytesKept * most_of_slice(plan) <= kBytesPerPoint * plan.most_within.back();
+}
+
+/// Whether the next slice's points may be read before this one's are given back: not where its
+/// normals hang on this one's, nor where memory is short.
+bool may_read_ahead(const NormalsConfig& config, const SlicePlan& plan) {
+    if (plan.slices.size() == 1 || signs_carry_over(config, plan)) return false;
+    return (kBytesKept + kBytesAhead) * most_of_slice(plan) <=
+           kBytesPerPoint * plan.most_within.back();
 }
 
 /// Counts of all slices added up.
@@ -243,10 +290,14 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
     NormalEvidence evidence;
+    ReadAhead ahead;
+    const bool reads_ahead = may_read_ahead(config, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
         if (!keeps) return_freed_memory();
+        std::optional<std::size_t> next;
+        if (reads_ahead && i + 1 < todo.size()) next = todo[i + 1];
         const nlohmann::json one =
-            run_slice_normals(config, plan, todo[i], sensors, signs, context);
+            run_slice_normals(config, plan, todo[i], sensors, signs, ahead, next, context);
         add_counts(one, sum);
         evidence += evidence_from(one.at("evidence"));
         up_to_date &= one.contains("up_to_date");

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <numbers>
@@ -148,10 +149,20 @@ std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::ve
     using Chosen = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
     std::vector<Chosen> parts((points.size() + kGrain - 1) / kGrain);
     parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
-            if (own[i] && unit_interval(h) < share)
-                parts[begin / kGrain].emplace_back(h, static_cast<std::uint32_t>(i));
+        // Lanes look at points by the number that unit_interval() makes a share of.
+        const auto limit = static_cast<std::uint64_t>(std::ceil(std::min(share, 1.0) * 0x1p53));
+        std::array<std::uint64_t, 64> hashes;
+        for (std::size_t first = begin; first < end; first += hashes.size()) {
+            const std::size_t n = std::min(hashes.size(), end - first);
+            std::uint64_t n_chosen = 0;
+            for (std::size_t k = 0; k < n; ++k) {
+                hashes[k] = keyed_hash(0, points.id[first + k], kSample);
+                n_chosen += hashes[k] >> 11 < limit ? 1 : 0;
+            }
+            for (std::size_t k = 0; n_chosen > 0 && k < n; ++k)
+                if (hashes[k] >> 11 < limit && own[first + k])
+                    parts[begin / kGrain].emplace_back(hashes[k],
+                                                       static_cast<std::uint32_t>(first + k));
         }
     });
     Chosen chosen;

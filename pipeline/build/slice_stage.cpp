@@ -216,6 +216,8 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     keep_freed_memory(most > 0);
     CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter,
                                        config.face_points == "on");
+    for (std::size_t i = 0; i < survey.hashes.size(); ++i)
+        stamp.know_hash(config.inputs[i], survey.hashes[i]);
     keep_freed_memory(!survey.gathered.points().empty());
     check_survey(config, survey);
     warn_of_extent(config, survey, context.reporter);

@@ -4,6 +4,7 @@
 #include "pipeline/folder_lock.h"
 #include "pipeline/json_text.h"
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -140,8 +141,11 @@ bool remove_slice_files(const fs::path& folder) {
 }
 
 bool remove_own_work(const WorkFolder& work) {
-    for (const fs::directory_entry& entry : entries_of(work.path))
-        if (is_slice_folder(entry)) remove_slice_files(entry.path());
+    // The system takes a large file's pages back one by one.
+    const std::vector<fs::directory_entry> entries = entries_of(work.path);
+    parallel_blocks(entries.size(), 1, [&](std::size_t i, std::size_t) {
+        if (is_slice_folder(entries[i])) remove_slice_files(entries[i].path());
+    });
     const bool all = remove_named(work.path, kWorkFiles);
     remove_mark(work.path);  // last: a kill before leaves a folder that is known as a build's
     if (all && !work.stays) ::rmdir(work.path.c_str());

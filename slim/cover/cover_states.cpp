@@ -40,6 +40,15 @@ std::size_t CoverStates::count_open() const {
     return n;
 }
 
+bool CoverStates::has_open() const {
+    std::atomic<bool> any = false;
+    parallel_blocks(states_.size(), 65536, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end && !any; ++p)
+            if (is_open(static_cast<std::uint32_t>(p))) any = true;
+    });
+    return any;
+}
+
 bool CoverStates::recall(LeafCandidate& c) const {
     if (!(radius_[c.point] > 0)) return false;
     const PointState& s = states_[c.point];

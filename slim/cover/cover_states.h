@@ -26,6 +26,8 @@ public:
         return !((s.flags & kCore) && s.weight >= rules_.coverage());
     }
     std::size_t count_open() const;
+    /// Whether any is open. Cost: up to the first one that is, of each part.
+    bool has_open() const;
     /// Bits of those that are open, of the bucket of a tree whose first point is its first-th.
     std::uint64_t open_of_bucket(const PointTree& tree, std::size_t first) const {
         std::uint64_t bits = 0;

@@ -86,6 +86,7 @@ LevelCover::LevelCover(const PointBlock& points, const CoverRules& rules,
       second_(rules.fits_again() ? points.size() : 0,
               may_be_needless(rules, leaves_.spacing())),
       open_(points.size()),
+      n_open_(points.size()),
       work_([&rules] {
           LeafWork w;
           w.ladder.ball.weight = w.exact.ball.weight = rules.weight;
@@ -100,9 +101,9 @@ Cover LevelCover::run(Reporter& reporter) {
     const std::size_t n = block_.size();
     for (int level = rules_.first_level; level <= rules_.last_level; ++level) {
         const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
-        const std::size_t open = sift_open(thinning);
-        reporter.progress("fit", n - open, n);
-        if (open == 0) break;
+        const bool some_are_open = sift_open(thinning);
+        reporter.progress("fit", some_are_open ? n - n_open_ : n, n);
+        if (!some_are_open) break;
         run_level(level, thinning);
         out_.counts.levels = static_cast<std::uint64_t>(level);
     }
@@ -134,12 +135,13 @@ bool LevelCover::is_closed(std::uint32_t rank) const {
     return !states_.is_open(pyramid_.by_priority()[rank]);
 }
 
-/// Number of points that are open. Only all of them are sifted for good: the coarse levels look at
-/// few, and are counted as they lie in memory.
-std::size_t LevelCover::sift_open(std::size_t thinning) {
-    if (thinning > 0) return states_.count_open();
+/// Whether points are open. Only all of them are sifted for good and counted: the coarse levels
+/// look at few, which a pass over all would cost more than.
+bool LevelCover::sift_open(std::size_t thinning) {
+    if (thinning > 0) return states_.has_open();
     parallel_erase_if(open_, [&](std::uint32_t rank) { return is_closed(rank); });
-    return open_.size();
+    n_open_ = open_.size();
+    return n_open_ > 0;
 }
 
 void LevelCover::run_level(int level, std::size_t thinning) {

@@ -55,7 +55,7 @@ private:
     void keep(const FittedSurfel& f);
     std::size_t thinning_for(double radius) const;
     bool is_closed(std::uint32_t rank) const;
-    std::size_t sift_open(std::size_t thinning);
+    bool sift_open(std::size_t thinning);
     void run_level(int level, std::size_t thinning);
     void run_pass(int level, std::size_t thinning, float most_overlap,
                   const std::vector<std::uint32_t>& waiting);
@@ -94,6 +94,7 @@ private:
     LatestKinds forestalling_;
     // places in by_priority() of points that may be open, rising
     std::vector<std::uint32_t> open_;
+    std::size_t n_open_;  // when they were last sifted
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
     CoverCounts of_leaves_;                // of what is settled

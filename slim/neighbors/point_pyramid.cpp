@@ -11,14 +11,14 @@ namespace {
 constexpr std::uint64_t kPriority = 0x7072696f;  // purpose of the hash
 constexpr std::size_t kSmallest = 512;           // a thinning below this many points serves nobody
 
-std::uint64_t priority_of(std::uint64_t seed, std::uint64_t id) {
-    return keyed_hash(seed, id, kPriority);
-}
-
 /// Points of lower priority are in the share, < 1.
 std::uint64_t limit_of(double share) { return static_cast<std::uint64_t>(share * 0x1.0p64); }
 
 }  // namespace
+
+std::uint64_t priority_of(std::uint64_t seed, std::uint64_t id) {
+    return keyed_hash(seed, id, kPriority);
+}
 
 bool in_share(std::uint64_t seed, std::uint64_t id, double share) {
     return share >= 1 || priority_of(seed, id) < limit_of(share);
@@ -28,19 +28,10 @@ PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64
                            double share) {
     const std::size_t n = block.size();
     UnfilledVector<std::uint64_t> priority(n);
-    KeyedIndices keys(n);
     parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            priority[i] = priority_of(seed, block.id[i]);
-            keys[i] = {priority[i], static_cast<std::uint32_t>(i)};
-        }
+        for (std::size_t i = begin; i < end; ++i) priority[i] = priority_of(seed, block.id[i]);
     });
-    sort_by_key(keys);
-    by_priority_.resize(n);
-    parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) by_priority_[i] = keys[i].index;
-    });
-    keys = {};
+    by_priority_ = order_by_key(priority);
 
     std::vector<std::uint32_t> chosen = morton_order(block, box);
     levels_.emplace_back(block, chosen);

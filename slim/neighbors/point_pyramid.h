@@ -7,6 +7,9 @@
 
 namespace slim {
 
+/// A point's random priority: thinnings keep the lowest.
+std::uint64_t priority_of(std::uint64_t seed, std::uint64_t id);
+
 /// Whether a point is of the random share of a cloud that its thinnings begin with, by the seed and
 /// its id: of a share g^(2 t) it is if it survives the t-th.
 bool in_share(std::uint64_t seed, std::uint64_t id, double share);

@@ -64,35 +64,13 @@ void PointTree::fill_bucket(std::size_t bucket) {
 
 namespace {
 
-KeyedIndices curve_keys(std::span<const Vec3d> positions, const Bbox& box) {
-    SLIM_CHECK(positions.size(), <, std::size_t{std::numeric_limits<std::uint32_t>::max()});
+UnfilledVector<std::uint64_t> curve_keys(std::span<const Vec3d> positions, const Bbox& box) {
     const MortonCurve curve(box);
-    KeyedIndices keys(positions.size());
+    UnfilledVector<std::uint64_t> keys(positions.size());
     parallel_blocks(keys.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            keys[i] = {curve.key(positions[i]), static_cast<std::uint32_t>(i)};
+        for (std::size_t i = begin; i < end; ++i) keys[i] = curve.key(positions[i]);
     });
-    sort_by_key(keys);
     return keys;
-}
-
-/// Puts the points of each place of the curve in an order of their own.
-void order_places(const PointBlock& block, KeyedIndices& keys) {
-    const auto less = [&](const KeyedIndex& a, const KeyedIndex& b) {
-        const Vec3d &p = block.position[a.index], &q = block.position[b.index];
-        return p.x != q.x   ? p.x < q.x
-               : p.y != q.y ? p.y < q.y
-               : p.z != q.z ? p.z < q.z
-                            : block.id[a.index] < block.id[b.index];
-    };
-    for (std::size_t begin = 0; begin < keys.size();) {
-        std::size_t end = begin + 1;
-        while (end < keys.size() && keys[end].key == keys[begin].key) ++end;
-        if (end - begin > 1)
-            std::sort(keys.begin() + static_cast<std::ptrdiff_t>(begin),
-                      keys.begin() + static_cast<std::ptrdiff_t>(end), less);
-        begin = end;
-    }
 }
 
 template <class T>
@@ -105,25 +83,25 @@ void reorder(const std::vector<std::uint32_t>& order, std::vector<T>& values) {
     values = std::move(out);
 }
 
-std::vector<std::uint32_t> indices_of(const KeyedIndices& keys) {
-    std::vector<std::uint32_t> order(keys.size());
-    parallel_blocks(keys.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) order[i] = keys[i].index;
-    });
-    return order;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> morton_order(const PointBlock& block, const Bbox& box) {
-    return indices_of(curve_keys(block.position, box));
+    return order_by_key(curve_keys(block.position, box));
 }
 
 void sort_along_curve(PointBlock& block, const Bbox& box) {
-    KeyedIndices keys = curve_keys(block.position, box);
-    order_places(block, keys);
-    const std::vector<std::uint32_t> order = indices_of(keys);
-    keys = {};
+    // The points of each place of the curve come in an order of their own.
+    const auto less = [&](std::uint32_t a, std::uint32_t b) {
+        const Vec3d &p = block.position[a], &q = block.position[b];
+        return p.x != q.x   ? p.x < q.x
+               : p.y != q.y ? p.y < q.y
+               : p.z != q.z ? p.z < q.z
+                            : block.id[a] < block.id[b];
+    };
+    const std::vector<std::uint32_t> order =
+        order_by_key(curve_keys(block.position, box), [&](std::span<std::uint32_t> row) {
+            std::sort(row.begin(), row.end(), less);
+        });
     // Half of the bytes are positions; the first to touch a page pays for it.
     run_both([&] { reorder(order, block.position); }, [&] {
         reorder(order, block.normal);

@@ -79,6 +79,10 @@ public:
             if (n_ + kLanes > bucket_.size()) grow();
             const LocalBox near = local(all.tree.bucket(begin / kAuditBucket));
             bucket_[n_] = static_cast<std::uint32_t>(begin / kAuditBucket);
+            // All of them are read soon, from anywhere in memory.
+            const char* points = reinterpret_cast<const char*>(&all.buckets[bucket_[n_]]);
+            for (std::size_t line = 0; line < sizeof(LocalBucket); line += 64)
+                __builtin_prefetch(points + line);
             for (std::size_t axis = 0; axis < 3; ++axis)
                 lo_[axis][n_] = near.lo[axis], hi_[axis][n_] = near.hi[axis];
             ++n_;

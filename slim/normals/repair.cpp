@@ -63,8 +63,10 @@ public:
     /// Points [begin, end), whole buckets but for the last. Those that lie far from each other on
     /// either side of a jump of the curve are taken in parts.
     void audit(std::size_t begin, std::size_t end) {
-        const Bbox box = box_of(begin, end);
         const std::size_t n_buckets = (end - begin + kBucket - 1) / kBucket;
+        Bbox box;
+        for (std::size_t b = 0; b < n_buckets; ++b)
+            box.extend(all_.tree.bucket(begin / kBucket + b));
         if (n_buckets > 1 && box.diagonal() > kCompact * most_radius_) {
             const std::size_t middle = begin + n_buckets / 2 * kBucket;
             audit(begin, middle);
@@ -108,16 +110,19 @@ private:
 
     /// Points of one bucket; in parts, too.
     void audit_part(std::size_t begin, std::size_t end) {
-        const Bbox box = box_of(begin, end);
+        const std::size_t bucket = begin / kBucket;
+        const bool is_whole = begin % kBucket == 0 &&
+                              end == std::min(begin + kBucket, points_.size());
+        const Bbox box = is_whole ? all_.tree.bucket(bucket) : box_of(begin, end);
         if (end - begin > 1 && box.diagonal() > 2 * most_radius_) {
             const std::size_t middle = (begin + end) / 2;
             audit_part(begin, middle);
             return audit_part(middle, end);
         }
-        const std::size_t bucket = begin / kBucket;
         const double radius = std::min(0.5 * all_.tree.bucket(bucket).diagonal(), most_radius_);
-        LocalBucket own;
-        own.set(points_, begin, end, box.lo);
+        LocalBucket of_part;
+        if (!is_whole) of_part.set(points_, begin, end, box.lo);
+        const LocalBucket& own = is_whole ? all_.buckets[bucket] : of_part;
         const auto sq_radius = static_cast<float>(radius) * static_cast<float>(radius);
         candidates_.clear();
         around_.for_buckets_near(box, radius, [&](std::size_t b) {

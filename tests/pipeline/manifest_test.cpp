@@ -1,5 +1,6 @@
 #include "pipeline/manifest.h"
 
+#include "pipeline/file_hash.h"
 #include "pipeline/run_started.h"
 #include "pipeline/stage.h"
 #include "slim/base/error.h"
@@ -9,6 +10,8 @@
 
 #include <fstream>
 #include <functional>
+#include <map>
+#include <string>
 
 namespace slim {
 namespace {
@@ -80,6 +83,37 @@ TEST_F(StampTest, ASecondRunIsUpToDate) {
     EXPECT_FALSE(run(context()));
     EXPECT_TRUE(run(context()));
     EXPECT_TRUE(run(context()));
+}
+
+TEST_F(StampTest, AHashTakenInStepsIsThatOfTheFile) {
+    std::string text(3000001, 'x');
+    for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>(i * i >> 7);
+    write("long", text);
+    FileHash hash(folder_ / "long");
+    for (const std::uint64_t end : {0u, 1u, 70000u, 1048577u, 60000u, 2500000u})
+        hash.advance_to(end);
+    const std::string found = hash.finish();
+    EXPECT_EQ(found, hash_file(folder_ / "long"));
+    EXPECT_EQ(found, hash_text(text));
+    FileHash beyond(folder_ / "long");
+    beyond.advance_to(5000000);
+    EXPECT_EQ(beyond.finish(), found);
+    EXPECT_THROW(FileHash(folder_ / "missing"), IoError);
+}
+
+TEST_F(StampTest, AKnownHashIsRecordedAndPassedOnInsteadOfReadingTheFile) {
+    std::map<std::string, std::string> written;
+    StageContext with = context();
+    with.written = &written;
+    Stamp stamp(with, manifest_path(folder_ / "out.slim"));
+    stamp.input(folder_ / "in.ply");
+    stamp.know_hash(folder_ / "in.ply", hash_text("as it was read"));
+    write("out.slim", "model");
+    stamp.outputs({folder_ / "out.slim"});
+    stamp.commit({{"leaves", 7}});
+    const json manifest = json::parse(std::ifstream(folder_ / "out.slim.done.json"));
+    EXPECT_EQ(manifest.at("inputs").at(0).at("xxh3_128"), hash_text("as it was read"));
+    EXPECT_EQ(written.at((folder_ / "in.ply").string()), hash_text("as it was read"));
 }
 
 TEST_F(StampTest, ThreadsDoNotMatter) {

@@ -8,6 +8,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
+#include <span>
 #include <vector>
 
 namespace slim::test {
@@ -42,6 +45,45 @@ TEST(KeySort, SortsACrowdInOneCornerOfTheRange) {
         items[i] = {i % 8 == 0 ? key : key >> 20, i};
     }
     expect_sorts(std::move(items));
+}
+
+TEST(KeySort, SortsNumbers) {
+    for (const std::size_t n : {0u, 1u, 5000u, 300000u})
+        for (const std::uint64_t mask : {~0ull, 0xfff00000ffffull}) {
+            UnfilledVector<std::uint64_t> numbers(n);
+            for (std::uint32_t i = 0; i < n; ++i) numbers[i] = keyed_hash(4, i) & mask;
+            UnfilledVector<std::uint64_t> expected = numbers;
+            std::sort(expected.begin(), expected.end());
+            const ThreadLimit limit(3);
+            sort_numbers(numbers);
+            EXPECT_TRUE(numbers == expected) << n;
+        }
+}
+
+/// Keys of which the highest bits of some are alike (few, many, all), with equal ones among them.
+TEST(OrderByKey, IsByTheWholeKeyThenByIndexOrAsTold) {
+    for (const std::size_t n : {0u, 1u, 2u, 5000u, 300000u})
+        for (const std::uint64_t mask :
+             {~0ull, ~0ull >> 1, 0xfffff00000000fffull, 0x8000000000ffffffull, 0xfffull, 0ull}) {
+            SCOPED_TRACE(testing::Message() << n << " keys, mask " << mask);
+            UnfilledVector<std::uint64_t> keys(n);
+            for (std::uint32_t i = 0; i < n; ++i) keys[i] = keyed_hash(6, i - i % 3 / 2) & mask;
+            std::vector<std::uint32_t> expected(n);
+            std::iota(expected.begin(), expected.end(), 0u);
+            const auto by_key = [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; };
+            std::stable_sort(expected.begin(), expected.end(), by_key);
+            const ThreadLimit limit(3);
+            EXPECT_EQ(order_by_key(keys), expected);
+            const auto latest_first = [&](std::uint32_t a, std::uint32_t b) {
+                return keys[a] != keys[b] ? keys[a] < keys[b] : a > b;
+            };
+            std::sort(expected.begin(), expected.end(), latest_first);
+            EXPECT_EQ(order_by_key(keys,
+                                   [](std::span<std::uint32_t> row) {
+                                       std::sort(row.begin(), row.end(), std::greater());
+                                   }),
+                      expected);
+        }
 }
 
 TEST(SortAlongCurve, PutsRepeatsSideBySideWhateverTheOrderTheyCameIn) {

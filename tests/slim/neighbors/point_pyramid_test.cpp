@@ -50,6 +50,28 @@ TEST(PointPyramid, OfAShareGoesOnWithTheThinningsOfTheWhole) {
     }
 }
 
+// Of so many points, some fifty have priorities whose higher halves are alike, and those given
+// twice have one priority.
+TEST(PointPyramid, OrdersPointsByTheWholeOfTheirPriority) {
+    PointBlock block;
+    const std::size_t n = 600000;
+    for (std::size_t i = 0; i < n; ++i) {
+        block.position.push_back({static_cast<double>(i % 1000), static_cast<double>(i / 1000), 0});
+        block.id.push_back(i < n - 50 ? i : i - 300);
+    }
+    const PointPyramid pyramid(block, box_of(block), 9);
+    const std::vector<std::uint32_t>& order = pyramid.by_priority();
+    ASSERT_EQ(order.size(), n);
+    const auto priority = [&](std::uint32_t i) { return priority_of(9, block.id[i]); };
+    std::size_t n_alike = 0;
+    for (std::size_t i = 1; i < n; ++i) {
+        const std::uint64_t before = priority(order[i - 1]), here = priority(order[i]);
+        ASSERT_TRUE(before < here || (before == here && order[i - 1] < order[i])) << i;
+        n_alike += before != here && before >> 32 == here >> 32;
+    }
+    EXPECT_GT(n_alike, 10u);
+}
+
 TEST(PointPyramid, IsTheSameForAnyOrderOfThePoints) {
     const PointBlock block = random_cube(5000, 8), shuffled = permuted(block, 4);
     ASSERT_NE(block.id, shuffled.id);
