@@ -61,7 +61,8 @@ void burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas,
     if (look.key && job.config.legend) missing.legend |= !burn_key(*look.key, canvas, look.place);
     if (job.config.scale_bar)
         missing.scale_bar |=
-            !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
+            !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas,
+                            look.bar_place);
 }
 
 /// The band of a drawn AOV as it is shown.
