@@ -61,7 +61,7 @@ double scale_bar_length(const ScaleBar& scale, int width) {
     return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
 }
 
-PixelBox scale_bar_box(const ScaleBar& scale, int width, int height) {
+PixelBox scale_bar_box(const ScaleBar& scale, int width, int height, LegendPlace corner) {
     const Layout l(width, height);
     const Words words(scale, width);
     const float box_width = 2 * l.padding + std::max({words.bar, text_width(words.length, l.text),
@@ -69,8 +69,10 @@ PixelBox scale_bar_box(const ScaleBar& scale, int width, int height) {
     if (box_width > 0.6f * static_cast<float>(width) ||
         l.height > kMostHeight * static_cast<float>(height))
         return {};
-    const float y0 = static_cast<float>(height) - l.margin - l.height;
-    return {l.margin, y0, l.margin + box_width, y0 + l.height};
+    const auto w = static_cast<float>(width), h = static_cast<float>(height);
+    const float x0 = is_left(corner) ? l.margin : std::floor(w - l.margin - box_width);
+    const float y0 = is_top(corner) ? l.margin : h - l.margin - l.height;
+    return {x0, y0, x0 + box_width, y0 + l.height};
 }
 
 float scale_bar_most(int width, int height) {
@@ -79,8 +81,8 @@ float scale_bar_most(int width, int height) {
     return l.margin + 2 * l.padding + std::max(0.3f * static_cast<float>(width), words);
 }
 
-bool burn_scale_bar(const ScaleBar& scale, const Canvas& canvas) {
-    const PixelBox box = scale_bar_box(scale, canvas.width, canvas.height);
+bool burn_scale_bar(const ScaleBar& scale, const Canvas& canvas, LegendPlace corner) {
+    const PixelBox box = scale_bar_box(scale, canvas.width, canvas.height, corner);
     if (!(box.x1 > box.x0)) return false;
     const float u = text_unit(canvas.width, canvas.height);
     const Layout l(canvas.width, canvas.height);

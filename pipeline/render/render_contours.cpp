@@ -85,7 +85,7 @@ std::vector<HeightLabel> contour_heights(const RenderJob& job, const AovLook& lo
         sheet.taken.push_back(key_box(*look.key, look.place, job.size.width, job.size.height));
     if (job.config.scale_bar)
         sheet.taken.push_back(scale_bar_box({job.size.width / job.camera.width, job.config.unit},
-                                            job.size.width, job.size.height));
+                                            job.size.width, job.size.height, look.bar_place));
     const LineScene view{.buffer = reference.buffer, .view = reference.pixels};
     std::vector<HeightLabel> labels = place_height_labels(view, relief, sheet);
     if (!labels.empty()) return labels;

@@ -9,7 +9,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 
 namespace slim {
 namespace {
@@ -107,11 +110,49 @@ private:
     float beside_ = 0;  ///< where a scale bar ends
 };
 
-/// Where the scale bar stands in a frame of that size of the view.
-PixelBox taken_by_scale_bar(const RenderConfig& config, const RenderedFrame& frame) {
-    if (!config.scale_bar) return {};
-    return scale_bar_box({frame.pixels.px_per_unit, config.unit}, frame.buffer.width,
-                         frame.buffer.height);
+/// Whether the lower left corner may not be free for the scale bar. Films keep it there.
+bool moves_scale_bar(const RenderConfig& config) {
+    const bool is_framed =
+        is_camera_name(config.camera) && config.zoom <= 1 && config.ortho_width <= 0;
+    const bool is_film = config.turntable > 0 || !config.path.empty();
+    return config.scale_bar && !is_framed && !is_film;
+}
+
+/// What a legend or key at its best place covers of an object, and of what is taken.
+struct WordsPlace {
+    LegendPlace place = LegendPlace::right;
+    double covered = 0;
+};
+WordsPlace place_of_words(const RenderConfig& config, const AovLook& look, const Picture& object,
+                          const PixelBox& taken) {
+    if (!config.legend || !look.on_white()) return {};
+    const auto box_of = [&](LegendPlace place) {
+        return look.key ? key_box(*look.key, place, object.width, object.height)
+                        : legend_box(*look.legend, place, object.width, object.height);
+    };
+    const LegendPlace place = look.key ? best_key_place(*look.key, object, taken)
+                                       : best_legend_place(*look.legend, object, taken);
+    const PixelBox box = box_of(place);
+    return {place, covered_alpha(box, object) + shared_area(box, taken)};
+}
+
+/// Legend and scale bar stand where both together cover the least; the bar at the lower left if no
+/// other corner is better.
+void place_all(const RenderConfig& config, const RenderedFrame& frame, AovLook& look) {
+    constexpr std::array kCorners{LegendPlace::left_bottom, LegendPlace::right_bottom,
+                                  LegendPlace::left_top, LegendPlace::right_top};
+    const std::span corners = std::span(kCorners).first(moves_scale_bar(config) ? 4 : 1);
+    const Picture object = silhouette_of(frame.buffer);
+    double least = std::numeric_limits<double>::infinity();
+    for (const LegendPlace corner : corners) {
+        const PixelBox bar = config.scale_bar
+                                 ? scale_bar_box({frame.pixels.px_per_unit, config.unit},
+                                                 object.width, object.height, corner)
+                                 : PixelBox{};
+        const WordsPlace words = place_of_words(config, look, object, bar);
+        const double covered = words.covered + covered_alpha(bar, object);
+        if (covered < least) look.place = words.place, look.bar_place = corner, least = covered;
+    }
 }
 
 }  // namespace
@@ -130,10 +171,7 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
     }
     if (aov == "dir1" || aov == "dir2") look.key = direction_key(aov == "dir2");
     if (aov == "hillshade" && contours.lines > 0) look.key = contour_key(config, contours);
-    const PixelBox taken = taken_by_scale_bar(config, reference);
-    if (look.legend && config.legend)
-        look.place = best_legend_place(*look.legend, silhouette_of(b), taken);
-    if (look.key && config.legend) look.place = best_key_place(*look.key, silhouette_of(b), taken);
+    if (b.n_pixels() > 0) place_all(config, reference, look);
     return look;
 }
 
@@ -144,7 +182,7 @@ ValueRange range_of(const RenderConfig& config, const std::string& aov,
 }
 
 bool needs_reference(const RenderConfig& config, const std::string& aov) {
-    return aov == "level" || map_spec(aov) || aov == "dir1" || aov == "dir2" ||
+    return moves_scale_bar(config) || aov == "level" || map_spec(aov) || aov == "dir1" || aov == "dir2" ||
            (aov == "hillshade" && config.contours != "none");
 }
 

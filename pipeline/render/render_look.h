@@ -23,6 +23,7 @@ struct AovLook {
     /// what the legend points to, if made for this picture
     std::shared_ptr<const ColorMap> own_map;
     LegendPlace place = LegendPlace::right;
+    LegendPlace bar_place = LegendPlace::left_bottom;  ///< of the scale bar
     std::vector<HeightLabel> heights = {};  ///< of a relief's contour lines
 
     bool on_white() const { return legend.has_value() || key.has_value(); }
@@ -39,7 +40,8 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
 ValueRange range_of(const RenderConfig& config, const std::string& aov,
                     const RenderedFrame& reference, const MapScale& scale);
 
-/// Whether look_of needs a reference frame for this AOV at all.
+/// Whether look_of needs a reference frame for this AOV at all. Of a picture that is nearer than
+/// what a named camera frames every one does for the scale bar.
 bool needs_reference(const RenderConfig& config, const std::string& aov);
 
 /// What legends take at the right, below or in a corner; nothing where none of the AOVs drawn

@@ -116,7 +116,8 @@ void choose_looks(RenderJob& job, Reporter& reporter) {
         if (has("truth_distance"))
             reference.truth_distance =
                 truth_distances(job.config, job.tree.header().origin, reference.buffer);
-        if (has("hillshade")) choose_contours(job, reference, reporter);
+        if (has("hillshade") && job.config.contours != "none")
+            choose_contours(job, reference, reporter);
     }
     const MapScale scale = scale_of(job, aovs);
     const auto wider = ranges_of_cameras(job, aovs, scale);

@@ -6,6 +6,7 @@
 #include "pipeline/render/render_bands.h"
 #include "pipeline/render/render_colors.h"
 #include "pipeline/render/render_lights.h"
+#include "raytrace/narrow_backs.h"
 #include "raytrace/trace/light_pass.h"
 #include "slim/base/error.h"
 #include "slim/tree/drawn_beyond.h"
@@ -239,7 +240,10 @@ double TracedModels::lowest_along(const Vec3d& up) const {
 
 void find_openness(const FrameLight& light, RenderedFrame& frame) {
     const FramePlanes planes(frame);
-    const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
+    const GBuffer& b = frame.buffer;
+    const std::vector<float> narrow = narrow_backs(
+        b.width, b.height, frame.view, {b.normal[0], b.normal[1], b.normal[2]}, b.hit);
+    const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced, narrow};
     frame.open = openness_plane(surface, openness_of(light.config, light.header),
                                 wanted_ground(light), frame.light_counts);
     frame.ground_open.clear();

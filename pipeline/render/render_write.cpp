@@ -2,10 +2,14 @@
 
 #include "pipeline/render/render_antialias.h"
 #include "raytrace/crop.h"
+#include "raytrace/lines/ink_plane.h"
 #include "raytrace/lines/stroke.h"
 #include "raytrace/scale_bar.h"
 
 #include <fmt/format.h>
+
+#include <utility>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -19,6 +23,20 @@ void put_background(const RenderJob& job, const std::string& aov, const PixelWin
     const bool on_white = job.looks.at(aov).on_white() || aov == "lines";
     composite_over(parse_background(job.config.background, on_white), picture, at.y,
                    job.size.height);
+}
+
+/// The ink that stands out from what is behind a picture.
+Ink ink_behind(const RenderJob& job, const std::string& aov) {
+    const bool is_scene = aov == "environment" && job.config.environment_behind;
+    const bool on_white = job.looks.at(aov).on_white() || aov == "lines";
+    return is_scene ? Ink::dark : ink_on(parse_background(job.config.background, on_white));
+}
+
+/// Where lines over a surface are light, as what is behind it is dark; nothing where all are dark.
+std::vector<float> ink_beside_surface(const RenderJob& job, const std::string& aov,
+                                      const Picture& drawn, const PicturePart& part) {
+    if (!job.found_lines || aov == "lines" || ink_behind(job, aov) == Ink::dark) return {};
+    return ink_plane(drawn, part.inside(), job.size.width, job.size.height);
 }
 
 /// What of the words of pictures has no room in them, and the first that lacks some.
@@ -43,20 +61,23 @@ void burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas,
     if (look.key && job.config.legend) missing.legend |= !burn_key(*look.key, canvas, look.place);
     if (job.config.scale_bar)
         missing.scale_bar |=
-            !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
+            !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas,
+                            look.bar_place);
 }
 
 /// The band of a drawn AOV as it is shown.
 Picture finished_picture(const RenderJob& job, const std::string& aov, const Frames& frames,
                          const PicturePart& part, Missing& missing) {
     const AovLook& look = job.looks.at(aov);
-    Picture picture = crop(painted_aov(job, aov, look, frames), part.inside());
+    Picture picture = painted_aov(job, aov, look, frames);
+    const std::vector<float> beside = ink_beside_surface(job, aov, picture, part);
+    picture = crop(std::move(picture), part.inside());
     put_background(job, aov, part.wanted, picture);
     const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
-    const Ink ink =
-        aov == "lines" ? ink_on(parse_background(job.config.background, true)) : Ink::dark;
     draw_height_labels(look.heights, canvas);
-    if (job.found_lines) draw_lines(*job.found_lines, canvas, ink);
+    if (job.found_lines)
+        draw_lines(*job.found_lines, canvas,
+                   {aov == "lines" ? ink_behind(job, aov) : Ink::dark, beside});
     burn_words(job, look, canvas, missing);
     return picture;
 }

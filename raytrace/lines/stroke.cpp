@@ -1,5 +1,6 @@
 #include "raytrace/lines/stroke.h"
 
+#include "slim/base/check.h"
 #include "slim/base/parallel.h"
 
 #include <algorithm>
@@ -68,13 +69,22 @@ void cover_segment(const LinePoint& a, const LinePoint& b, float half, Band& ban
     band.y0 = std::min(band.y0, y0), band.y1 = std::max(band.y1, y1);
 }
 
+Vec3f linear_ink(LineKind kind, Ink ink) {
+    const Vec3f& srgb = line_style(kind, ink).srgb;
+    return {linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)};
+}
+
 /// Lays a line's colour over what it covers, and clears the coverage.
-void composite(const Vec3f& srgb, Band& band, const Canvas& canvas) {
-    const Vec3f color{linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)};
+void composite(LineKind kind, const LineInks& inks, Band& band, const Canvas& canvas) {
+    const Vec3f own = linear_ink(kind, inks.ink);
+    const Vec3f other = linear_ink(kind, inks.ink == Ink::dark ? Ink::light : Ink::dark);
     for (int y = band.y0; y < band.y1; ++y)
         for (int x = band.x0; x < band.x1; ++x) {
             float& c = band.at(x, y);
             if (c == 0) continue;
+            const float share =
+                inks.other.empty() ? 0 : inks.other[canvas.part.index(x - canvas.x0, y - canvas.y0)];
+            const Vec3f color = own + (other - own) * share;
             float* p = canvas.pixel(x, y);
             for (std::size_t i = 0; i < 3; ++i) p[i] = p[i] * (1 - c) + color[i] * c;
             p[3] = p[3] * (1 - c) + c;
@@ -112,9 +122,7 @@ std::vector<StrokeBox> boxes_of(std::span<const FeatureLine> lines, int picture_
 Ink ink_on(const Background& background) {
     if (!(background.alpha > 0)) return Ink::dark;
     const auto contrast = [&](Ink ink) {
-        const Vec3f& srgb = line_style(LineKind::contour, ink).srgb;
-        const float own = luminance(
-            {linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)});
+        const float own = luminance(linear_ink(LineKind::contour, ink));
         const auto with = [own](const Vec3f& linear) {
             const float other = luminance(linear);
             return (std::max(own, other) + kFlare) / (std::min(own, other) + kFlare);
@@ -158,7 +166,9 @@ float stroke_width(const FeatureLine& line, int picture_width, int picture_heigh
     return std::clamp(0.9f + 0.25f * std::log2(std::max(line.strength, 0.1f)), 0.6f, 2.2f) * scale;
 }
 
-void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas, Ink ink) {
+void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas,
+                const LineInks& inks) {
+    SLIM_CHECK(inks.other.empty() || inks.other.size() == canvas.part.n_pixels(), ==, true);
     const std::vector<StrokeBox> boxes = boxes_of(lines, canvas.width, canvas.height);
     const auto n_rows = static_cast<std::size_t>(canvas.part.height);
     parallel_blocks(n_rows, kBandRows, [&](std::size_t first, std::size_t last) {
@@ -172,7 +182,7 @@ void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas, Ink in
             band.start();
             lines[i].for_each_segment(
                 [&](const LinePoint& a, const LinePoint& b) { cover_segment(a, b, half, band); });
-            composite(line_style(lines[i].kind, ink).srgb, band, canvas);
+            composite(lines[i].kind, inks, band, canvas);
         }
     });
 }

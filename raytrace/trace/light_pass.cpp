@@ -54,6 +54,15 @@ FloatV distance_of(const ShadePoints& at, const RayPacket& rays) {
     return select<FloatV>(at.on, way.dot(rays.direction), FloatV(kFar));
 }
 
+FloatV load_narrow(const TracedSurface& surface, const PixelBlock& block) {
+    FloatV out(0.0f);
+    for (int lane = 0; lane < kLanes && !surface.narrow.empty(); ++lane)
+        if (block.holds(lane))
+            out[static_cast<std::size_t>(lane)] =
+                surface.narrow[surface.planes.index(block, lane)];
+    return out;
+}
+
 /// What is known of the ground's openness: where no surface is.
 KnownOpenness load_ground(const TracedSurface& surface, std::span<const float> open,
                           const ShadePoints& at, const PixelBlock& block) {
@@ -97,7 +106,8 @@ std::vector<float> openness_plane(const TracedSurface& surface, const Openness& 
     for_blocks(surface.planes.window, [&](std::size_t row, const PixelBlock& block) {
         const BlockSurface s = load_block(surface, {}, block);
         if (stdx::none_of(s.at.on)) return;
-        const FloatV open = tracer.open_share(s.at, openness, {block, rows[row]});
+        const FloatV open = tracer.open_share(s.at, openness, {block, rows[row]},
+                                              load_narrow(surface, block));
         for (int lane = 0; lane < kLanes; ++lane)
             if (const auto k = static_cast<std::size_t>(lane); s.at.on[k])
                 out[surface.planes.index(block, lane)] = open[k];

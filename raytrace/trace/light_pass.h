@@ -16,6 +16,7 @@ struct TracedSurface {
     const TraceScene& scene;
     SurfacePlanes planes;
     const TracedPlanes& traced;
+    std::span<const float> narrow = {};  ///< narrow_backs, for openness_plane; empty: none
 };
 
 /// Openness of every hit, 1 where nothing is near; 0 elsewhere. The ground is near, too, where

@@ -114,7 +114,7 @@ FloatV LightTracer::share_of_far_side(const ShadePoints& at, const FloatV& far, 
 }
 
 FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
-                               const RaySite& site) const {
+                               const RaySite& site, const FloatV& narrow) const {
     constexpr float kThin = 0.1f;          // of the distance
     constexpr float kLeastClosed = 0.25f;  // by the far side: up to there nothing is thin
     const FloatV far(static_cast<float>(openness.distance / scene_.frame().unit));
@@ -124,8 +124,8 @@ FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
     if (stdx::none_of(inside.on)) return open;
     const FloatV closed = share_of_far_side(inside, far * kThin, openness.samples, site);
     // Of a half closed or more all.
-    const FloatV thin =
-        stdx::clamp(closed * (1 / kLeastClosed) - 1.0f, FloatV(0.0f), FloatV(1.0f));
+    const FloatV thin = stdx::max(
+        stdx::clamp(closed * (1 / kLeastClosed) - 1.0f, FloatV(0.0f), FloatV(1.0f)), narrow);
     ShadePoints outside = at;
     outside.normal = -at.normal, outside.on = inside.on && thin > 0.0f;
     if (stdx::none_of(outside.on)) return open;

@@ -52,8 +52,10 @@ public:
     /// Share of the directions above the points in which nothing is within the distance. Of points
     /// that are seen from behind, inside something thinner than a tenth of the distance (its far
     /// side looks the other way), on their outer side: such are the backs of a rim's ragged discs
-    /// and what cracks between discs show (notes/0002).
-    FloatV open_share(const ShadePoints& at, const Openness& openness, const RaySite& site) const;
+    /// and what cracks between discs show (notes/0002). So are, by their share, those that are seen
+    /// through something `narrow` (narrow_backs.h; notes/0008), however deep they lie.
+    FloatV open_share(const ShadePoints& at, const Openness& openness, const RaySite& site,
+                      const FloatV& narrow = FloatV(0.0f)) const;
 
     /// Colour of the points, each of the material of its model.
     LanesOfVec color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model,

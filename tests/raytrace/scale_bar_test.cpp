@@ -30,6 +30,20 @@ TEST(ScaleBar, PartsOfAPictureGetTheirPartOfIt) {
     EXPECT_FALSE(burn_scale_bar({2.5, "mm"}, tiny));
 }
 
+TEST(ScaleBar, StandsInTheCornerWanted) {
+    for (const LegendPlace corner : {LegendPlace::left_bottom, LegendPlace::right_bottom,
+                                     LegendPlace::left_top, LegendPlace::right_top}) {
+        const PixelBox box = scale_bar_box({2.5, "mm"}, 700, 500, corner);
+        EXPECT_EQ(box.x0 < 350, is_left(corner));
+        EXPECT_EQ(box.y0 < 250, is_top(corner));
+        EXPECT_GE(std::min({box.x0, box.y0, 700 - box.x1, 500 - box.y1}), 12);  // the margin
+        Picture whole(700, 500);
+        ASSERT_TRUE(burn_scale_bar({2.5, "mm"}, whole, corner));
+        EXPECT_GT(whole.pixel(static_cast<int>((box.x0 + box.x1) / 2),
+                              static_cast<int>(box.y0) + 3)[3], 0.5f);
+    }
+}
+
 TEST(Key, StandsWhereItHidesLeastAndIsWrittenAsSvg) {
     const Key key{"title", {{"red <x>", true, {1, 0, 0}}, {"plain", false, {}}}};
     Picture object(800, 600);

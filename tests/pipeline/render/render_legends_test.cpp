@@ -34,6 +34,18 @@ int n_hidden(const PngImage& with, const PngImage& without) {
     return n;
 }
 
+/// A frame of 400 x 400 with a surface where covers(x, y) says so, orthographic.
+template <class Covers>
+RenderedFrame frame_where(const Covers& covers) {
+    RenderedFrame frame;
+    frame.size = {400, 400}, frame.pixels.px_per_unit = 20;
+    frame.buffer.reset(400, 400, 0);
+    for (int y = 0; y < 400; ++y)
+        for (int x = 0; x < 400; ++x)
+            frame.buffer.hit[static_cast<std::size_t>(400 * y + x)] = covers(x, y);
+    return frame;
+}
+
 /// "eye 1,2,3 target 4,5,6 up 7,8,9 (...)" as --camera takes it.
 std::string camera_numbers(const std::string& described) {
     std::istringstream words(described);
@@ -41,6 +53,27 @@ std::string camera_numbers(const std::string& described) {
     for (int i = 0; i < 6 && words >> word; ++i)
         if (i % 2) numbers += (numbers.empty() ? "" : ",") + word;
     return numbers;
+}
+
+TEST_F(RenderLegends, AScaleBarGoesWhereItCoversLeastOfAZoomedView) {
+    RenderConfig c = config("x.png");
+    c.ortho = true, c.scale_bar = true, c.zoom = 2;
+    const auto place = [](const RenderConfig& of, const RenderedFrame& frame) {
+        return look_of(of, "shaded", frame, {}, {}).bar_place;
+    };
+    const RenderedFrame low = frame_where([](int x, int y) { return x < 300 && y > 200; }),
+                        all = frame_where([](int, int) { return true; }),
+                        left = frame_where([](int x, int) { return x < 120; });
+    EXPECT_TRUE(needs_reference(c, "shaded"));
+    EXPECT_EQ(place(c, low), LegendPlace::left_top);
+    EXPECT_EQ(place(c, all), LegendPlace::left_bottom);  // nowhere better
+    EXPECT_EQ(place(c, left), LegendPlace::right_bottom);
+    RenderConfig film = c, framed = c;
+    film.turntable = 12, framed.zoom = 1;
+    for (const RenderConfig& of : {film, framed}) {
+        EXPECT_FALSE(needs_reference(of, "shaded"));
+        EXPECT_EQ(place(of, low), LegendPlace::left_bottom);
+    }
 }
 
 TEST_F(RenderLegends, ALegendHidesNothingOfANamedView) {

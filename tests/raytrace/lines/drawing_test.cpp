@@ -1,3 +1,4 @@
+#include "raytrace/lines/ink_plane.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/lines/lines_svg.h"
 #include "raytrace/lines/stroke.h"
@@ -77,8 +78,47 @@ TEST(DrawLines, InkStandsOutFromTheBackground) {
                 << line_name(kind);
         }
     Picture picture(100, 100);
-    draw_lines(std::span(kLines).first(1), picture, Ink::light);
+    draw_lines(std::span(kLines).first(1), picture, {Ink::light});
     EXPECT_GT(picture.pixel(50, 20)[0], 0.8f);
+}
+
+/// A grey surface in the left half of a picture.
+Picture half_drawn() {
+    Picture picture(100, 100);
+    for (int y = 0; y < 100; ++y)
+        for (int x = 0; x < 50; ++x)
+            for (int i = 0; i < 4; ++i) picture.pixel(x, y)[i] = i < 3 ? 0.5f : 1.0f;
+    return picture;
+}
+
+TEST(DrawLines, BesideTheSurfaceTheyTakeTheOtherInk) {
+    Picture picture = half_drawn();
+    const std::vector<float> plane = ink_plane(picture, {0, 0, 100, 100}, 100, 100);
+    const auto outline = line_of(LineKind::contour, {{50, 10, 1}, {50, 90, 1}}, 1);
+    draw_lines(std::vector{kLines[0], outline}, picture, {Ink::dark, plane});
+    EXPECT_LT(picture.pixel(30, 20)[0], 0.05f);   // over the surface
+    EXPECT_GT(picture.pixel(70, 20)[0], 0.8f);    // past it
+    EXPECT_GT(picture.pixel(49, 50)[0], 0.5f);    // along the outline on both sides
+    EXPECT_GT(picture.pixel(50, 50)[0], 0.25f);
+    EXPECT_EQ(picture.pixel(40, 50)[0], 0.5f);
+}
+
+TEST(InkPlane, OfAPartIsThatOfTheWhole) {
+    Picture drawn = half_drawn();
+    for (int x = 20; x < 30; ++x) drawn.pixel(x, 60)[3] = 0.25f;
+    const std::vector<float> whole = ink_plane(drawn, {0, 0, 100, 100}, 100, 100);
+    const std::vector<float> part = ink_plane(drawn, {15, 57, 40, 20}, 100, 100);
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 40; ++x)
+            EXPECT_EQ(part[static_cast<std::size_t>(40 * y + x)], whole[drawn.index(15 + x, 57 + y)]);
+    EXPECT_EQ(whole[drawn.index(25, 62)], 0.75f);
+    EXPECT_EQ(whole[drawn.index(25, 70)], 0);
+}
+
+TEST(InkPlane, AShadowHidesNothing) {
+    Picture drawn(10, 10);
+    for (std::size_t i = 0; i < drawn.n_pixels(); ++i) drawn.rgba[4 * i + 3] = 0.9f;
+    EXPECT_EQ(ink_plane(drawn, {0, 0, 10, 10}, 10, 10), std::vector<float>(100, 1.0f));
 }
 
 TEST(LinesSvg, LightInkHasItsBackgroundUnderIt) {

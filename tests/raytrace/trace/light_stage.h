@@ -1,5 +1,6 @@
 #pragma once
 
+#include "raytrace/narrow_backs.h"
 #include "raytrace/shade.h"
 #include "raytrace/trace/light_pass.h"
 #include "tests/raytrace/support/like_brute.h"
@@ -36,6 +37,7 @@ struct Stage {
     GBuffer buffer;
     TracedPlanes traced;
     std::array<std::vector<float>, 3> normals;
+    std::vector<float> narrow;
     TraceLook look;
     mutable TraceCounts counts;
 
@@ -52,8 +54,9 @@ struct Stage {
                  size / (2 * px), size / (2 * px), view.orthographic};
         RenderRequest request{camera, size, size, kPositionChannel | kNormalChannel, 0, {}, false};
         render_traced(scene, request, buffer, &traced);
-        normals = turned_normals(
-            size, size, shade, {buffer.normal[0], buffer.normal[1], buffer.normal[2]}, buffer.hit);
+        const NormalPlanes own{buffer.normal[0], buffer.normal[1], buffer.normal[2]};
+        normals = turned_normals(size, size, shade, own, buffer.hit);
+        narrow = narrow_backs(size, size, shade, own, buffer.hit);
         look.rig.up = shade.up;
         look.rig.sky = look.rig.ground = {};
     }
@@ -63,7 +66,8 @@ struct Stage {
         return more;
     }
     TracedSurface surface() const {
-        return {scene, {view, {0, 0, buffer.width, buffer.height}, buffer, normals}, traced};
+        return {scene, {view, {0, 0, buffer.width, buffer.height}, buffer, normals}, traced,
+                narrow};
     }
     Picture light() const { return light_rows(surface(), look, {}, {0, buffer.height}, counts); }
     std::vector<float> openness(double distance, int samples) const {

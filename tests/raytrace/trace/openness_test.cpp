@@ -97,14 +97,14 @@ SurfelTreeData plate_with_hole(double thickness) {
 }
 
 /// Mean openness of the pixels that see the lower face from behind, through the hole.
-double openness_behind_hole(const Stage& stage, double distance) {
+double openness_behind_hole(const Stage& stage, double distance, int least_pixels = 100) {
     const auto open = stage.openness(distance, 36);
     double sum = 0;
     int n = 0;
     for (std::size_t i = 0; i < open.size(); ++i)
         if (stage.buffer.hit[i] && stage.buffer.normal[2][i] < 0)
             sum += static_cast<double>(open[i]), ++n;
-    EXPECT_GT(n, 100);
+    EXPECT_GT(n, least_pixels);
     return sum / n;
 }
 
@@ -115,6 +115,34 @@ TEST(Openness, TheInsideOfAThinThingIsAsOpenAsItsOutside) {
     // What is thicker than a tenth of the distance keeps its dark inside: from below the middle of
     // a hole of radius r at depth d the open share is r^2 / (r^2 + d^2), here 0.41.
     EXPECT_LT(openness_behind_hole(stage, 4), 0.45);
+}
+
+// The same hole, as thick, two or three pixels wide: a crack, which was a black dot.
+TEST(Openness, WhatACrackShowsIsAsOpenAsItsOutside) {
+    Stage stage(plate_with_hole(0.5), camera_at({0, 0, 650}, {0, 0, 0}, 20), 800);
+    EXPECT_GT(openness_behind_hole(stage, 4, 2), 0.9);
+    stage.narrow.clear();
+    EXPECT_LT(openness_behind_hole(stage, 4, 2), 0.5);
+}
+
+TEST(NarrowBacks, AreThoseOfCracksNotOfHoles) {
+    constexpr int kSide = 400;  // looks 2 pixels far
+    std::array<std::vector<float>, 3> n;
+    for (auto& plane : n) plane.assign(kSide * kSide, 0.0f);
+    std::vector<std::uint8_t> hit(kSide * kSide, 1);
+    for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+            const bool back = (x == 50 && y == 50) || (x >= 100 && x < 120 && y >= 100 && y < 120);
+            n[2][static_cast<std::size_t>(kSide * y + x)] = back ? -1.0f : 1.0f;
+        }
+    ShadeView view;
+    view.orthographic = true;
+    const std::vector<float> narrow = narrow_backs(kSide, kSide, view, {n[0], n[1], n[2]}, hit);
+    const auto at = [&](int x, int y) { return narrow[static_cast<std::size_t>(kSide * y + x)]; };
+    EXPECT_EQ(at(50, 50), 1);
+    EXPECT_EQ(at(51, 50), 0);    // a front
+    EXPECT_EQ(at(110, 110), 0);  // in the hole
+    EXPECT_EQ(at(110, 100), 0);  // at its edge
 }
 
 TEST(Openness, TheBackOfAnOpenSheetIsItsOwn) {
