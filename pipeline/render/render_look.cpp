@@ -182,8 +182,8 @@ ValueRange range_of(const RenderConfig& config, const std::string& aov,
 }
 
 bool needs_reference(const RenderConfig& config, const std::string& aov) {
-    return moves_scale_bar(config) || aov == "level" || map_spec(aov) || aov == "dir1" || aov == "dir2" ||
-           (aov == "hillshade" && config.contours != "none");
+    return moves_scale_bar(config) || aov == "level" || map_spec(aov) || aov == "dir1" ||
+           aov == "dir2" || (aov == "hillshade" && config.contours != "none");
 }
 
 LegendRoom legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
