@@ -107,9 +107,11 @@ const std::string& temporary_suffix() {
 void check_replaceable(const std::string& path) {
     struct stat found {};
     if (::stat(path.c_str(), &found) != 0 || S_ISREG(found.st_mode)) return;
-    throw IoError(message(path, ": is a ", S_ISDIR(found.st_mode) ? "folder" : "device or pipe",
-                          "; expected the name of a file to write, which takes its place"),
-                  ExitCode::usage);
+    throw IoError(
+        {.file = path,
+         .problem = message("is a ", S_ISDIR(found.st_mode) ? "folder" : "device or pipe",
+                            "; expected the name of a file to write, which takes its place")},
+        ExitCode::usage);
 }
 
 AtomicFile::AtomicFile(std::string path)
@@ -123,7 +125,8 @@ AtomicFile::AtomicFile(std::string path)
     }
     if (file_ < 0) {
         const bool full = errno == ENOSPC || errno == EDQUOT || errno == EMFILE || errno == ENFILE;
-        throw IoError(message(path_, ": cannot be created: ", std::strerror(errno)),
+        throw IoError(
+            {.file = path_, .problem = message("cannot be created: ", std::strerror(errno))},
                       full ? ExitCode::resource : ExitCode::usage);
     }
     live_temporaries().insert(temporary_);

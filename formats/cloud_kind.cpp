@@ -89,6 +89,11 @@ std::string extension_of(const std::string& path) {
     return dot == std::string::npos ? "" : name.substr(dot + 1);
 }
 
+bool starts_as_ply(std::string_view head) {
+    if (head.substr(0, 3) != "ply") return false;
+    return head.size() > 3 && std::isspace(static_cast<unsigned char>(head[3]));
+}
+
 /// The advice with the file's own names in the command's places IN and OUT.ply.
 std::string with_names(std::string advice, const std::string& path) {
     const auto slash = path.rfind('/'), dot = path.rfind('.');
@@ -122,12 +127,16 @@ void refuse_binary(const std::string& path, std::string_view head) {
            kNone);
 }
 
-bool starts_as_ply(std::string_view head) {
-    if (head.substr(0, 3) != "ply") return false;
-    return head.size() > 3 && std::isspace(static_cast<unsigned char>(head[3]));
-}
-
 }  // namespace
+
+bool is_known_format(const std::string& path, std::string_view head) {
+    const std::string extension = extension_of(path);
+    if (starts_as_ply(head) || extension == "ply" || is_cloud_ending("." + extension)) return true;
+    return std::any_of(kMagics.begin(), kMagics.end(),
+                       [&](const KnownFormat& f) { return head.starts_with(f.key); }) ||
+           std::any_of(kExtensions.begin(), kExtensions.end(),
+                       [&](const KnownFormat& f) { return extension == f.key; });
+}
 
 CloudKind cloud_kind(const std::string& path, std::string_view head) {
     if (head.empty())

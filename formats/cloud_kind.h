@@ -15,4 +15,7 @@ enum class CloudKind { ply, text };
 ///        there is one, the way to convert
 CloudKind cloud_kind(const std::string& path, std::string_view head);
 
+/// Whether the first bytes or the name are those of a format that is known, read or not.
+bool is_known_format(const std::string& path, std::string_view head);
+
 }  // namespace slim

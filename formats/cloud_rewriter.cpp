@@ -17,15 +17,16 @@ void check_extension(const std::string& in, CloudKind kind, const std::string& o
     const std::string extension = lower_extension(out);
     if (extension == ".gz")
         throw ConfigError(
-            message(out,
-                    ": the output is written unpacked, that of a gzip file too: leave out .gz, and "
-                    "pack it afterwards with gzip"));
+            {.file = out,
+             .problem = "the output is written unpacked, that of a gzip file too: leave out .gz, "
+                        "and pack it afterwards with gzip"});
     if (kind == CloudKind::ply ? extension == ".ply" : is_text_ending(extension)) return;
-    throw ConfigError(message(
-        out, ": the output has the format of the input, and ", in, " is ",
-        kind == CloudKind::ply
-            ? "a PLY: expected a name ending in .ply"
-            : "a text of coordinates: expected a name ending in " + text_endings(", ", " or ")));
+    const bool is_ply = kind == CloudKind::ply;
+    throw ConfigError(
+        {.file = out,
+         .problem = message("the output has the format of the input, and ", in, " is ",
+                            is_ply ? "a PLY" : "a text of coordinates"),
+         .expected = "a name ending in " + (is_ply ? ".ply" : text_endings(", ", " or "))});
 }
 
 }  // namespace

@@ -57,7 +57,8 @@ bool make_folders(const std::string& folder) {
         const int error = errno;
         if (is_folder(*at)) continue;  // another process was first
         const bool full = error == ENOSPC || error == EDQUOT;
-        throw IoError(message(folder, ": cannot make this folder: ", std::strerror(error)),
+        throw IoError(
+            {.file = folder, .problem = message("cannot make this folder: ", std::strerror(error))},
                       full ? ExitCode::resource : ExitCode::usage);
     }
     return made_it;

@@ -2,6 +2,7 @@
 
 #include "pipeline/toml_file.h"
 #include "slim/base/error.h"
+#include "slim/base/nearest_name.h"
 #include "slim/base/parallel.h"
 
 #include <CLI/CLI.hpp>
@@ -9,10 +10,8 @@
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <map>
 #include <set>
-#include <system_error>
 
 namespace slim {
 namespace {
@@ -62,33 +61,19 @@ int read_threads(const std::string& text) {
     int n = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
     if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > kMostThreads)
-        throw ConfigError(fmt::format("--threads: expected a whole number from 1 to {}, found '{}'",
-                                      kMostThreads, text));
+        throw ConfigError({.option = "--threads",
+                           .expected = fmt::format("a whole number from 1 to {}", kMostThreads),
+                           .found = "'" + text + "'"});
     return n;
 }
 
-std::vector<std::string> split(const std::string& text, char separator) {
-    std::vector<std::string> parts;
-    std::size_t begin = 0;
-    for (std::size_t end = text.find(separator); end != std::string::npos;
-         begin = end + 1, end = text.find(separator, begin))
-        parts.push_back(text.substr(begin, end - begin));
-    parts.push_back(text.substr(begin));
-    return parts;
-}
-
-/// A list option may be written a,b or given again; of a single value the last one counts. A file
-/// whose name has a comma is that file.
+/// A list option may be written a,b or given again; of a single value the last one counts.
 std::vector<std::string> items_of(const Field& field, const std::vector<std::string>& given) {
     if (!field.is_list()) return {given.back()};
     if (field.is_word()) return given;
     std::vector<std::string> items;
-    for (const std::string& text : given) {
-        std::error_code none;
-        if (field.is_path() && std::filesystem::exists(text, none)) items.push_back(text);
-        else
-            for (const std::string& part : split(text, ',')) items.push_back(part);
-    }
+    for (const std::string& text : given)
+        for (const std::string& item : list_items(field, text)) items.push_back(item);
     return items;
 }
 
@@ -96,7 +81,7 @@ std::vector<std::string> items_of(const Field& field, const std::vector<std::str
 std::string apply_set(const std::string& text, const FieldList& fields) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos)
-        throw ConfigError(fmt::format("--set {}: expected key=value", text));
+        throw ConfigError({.option = "--set " + text, .expected = "key=value"});
     const std::string key = text.substr(0, equals);
     if (fields.settings() && key.find('.') != std::string::npos) {
         fields.settings()->push_back(text);
@@ -104,27 +89,24 @@ std::string apply_set(const std::string& text, const FieldList& fields) {
     }
     const Field* field = fields.find(key);
     if (!field)
-        throw ConfigError(fmt::format("--set {}: unknown key '{}'{}", text, key,
-                                      fields.settings()
-                                          ? "; " + fields.settings_help()
-                                          : suggestion(key, keys_of(fields))));
-    field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
+        throw ConfigError(
+            {.option = "--set " + text,
+             .problem = "unknown key '" + key + "'" +
+                        (fields.settings() ? "; " + fields.settings_help() : ""),
+             .hint = fields.settings() ? "" : did_you_mean(key, keys_of(fields))});
+    field->set(items_of(*field, {text.substr(equals + 1)}),
+               {.key = key, .option = "--set " + key});
     return key;
 }
 
-/// Whether a file names all keys, as --print-config prints it: without those that it cannot print.
-bool is_whole(const std::vector<std::string>& keys, const FieldList& fields,
-              const std::map<std::string, std::vector<std::string>>& usual) {
-    const std::set<std::string> named(keys.begin(), keys.end());
-    return std::all_of(fields.fields().begin(), fields.fields().end(), [&](const Field& field) {
-        const std::vector<std::string>& items = usual.at(field.key);
-        const bool open = field.required && (items.empty() || items[0].empty());
-        return open || named.contains(field.key);
-    });
+/// Whether a file is one that --print-config printed: it names most keys. Nobody writes so many by
+/// hand, and of a printed one some lines may have been taken out.
+bool is_printed(const std::vector<std::string>& keys, const FieldList& fields) {
+    return 2 * keys.size() > fields.fields().size();
 }
 
-/// Takes the file's values and returns the keys that it means: all that a short file names. A whole
-/// one, as --print-config prints it, names every key and means those that are not as by default.
+/// Takes the file's values; what it leaves out stays as it is. Returns the keys that it means: all
+/// that a short file names, of a printed one those that are not as by default.
 std::vector<std::string> said_by_config(const std::string& file, const FieldList& fields) {
     std::map<std::string, std::vector<std::string>> usual;
     for (const Field& field : fields.fields()) usual[field.key] = field.items();
@@ -132,9 +114,11 @@ std::vector<std::string> said_by_config(const std::string& file, const FieldList
     try {
         keys = apply_config_file(file, fields);
     } catch (const ConfigError& error) {
-        throw ConfigError(std::string("--config ") + error.what());
+        Fault fault = error.fault();
+        fault.option = "--config";
+        throw ConfigError(fault);
     }
-    if (is_whole(keys, fields, usual))
+    if (is_printed(keys, fields))
         std::erase_if(keys, [&](const std::string& key) {
             return fields.find(key)->items() == usual.at(key);
         });
@@ -159,17 +143,34 @@ bool misses_output(const FieldList& fields, const std::vector<Given>& given) {
     return false;
 }
 
+/// What other programs call an option of ours, or where ours has none; empty of neither.
+std::string usual_name(const std::string& name, const FieldList& fields) {
+    // As make and others have it.
+    if (name.starts_with("-j") && name.find_first_not_of("0123456789", 2) == std::string::npos)
+        return "threads are --threads N";
+    if (name == "-i" || name == "--input")
+        return "files to read are written without an option before them";
+    if (name == "--style" && fields.find("clouds"))
+        return "a ready style is the first word, before the clouds";
+    static const std::pair<const char*, const char*> kUsual[] = {
+        {"--resolution", "size"}, {"--width", "size"},  {"--height", "size"}, {"--view", "camera"},
+        {"--eye", "camera"},      {"--style", "job"},   {"--map", "aov"},     {"--color-by", "aov"},
+        {"--scale", "zoom"},      {"--error", "t_mdl"}, {"--quality", "t_mdl"}};
+    for (const auto& [usual, key] : kUsual)
+        if (const Field* field = name == usual ? fields.find(key) : nullptr)
+            return "did you mean '" + field->option() + "'?";
+    return "";
+}
+
 void refuse_extras(const std::vector<std::string>& extras, const FieldList& fields,
                    const std::vector<Given>& given) {
     for (const std::string& word : extras) {
         if (word.size() < 2 || word[0] != '-') continue;
         const std::string name = word.substr(0, word.find('='));
-        // As make and others have it.
-        const bool threads =
-            name.starts_with("-j") && name.find_first_not_of("0123456789", 2) == std::string::npos;
-        throw ConfigError(fmt::format(
-            "unknown option {}{}", name,
-            threads ? " (threads are --threads N)" : suggestion(name, all_options(fields))));
+        const std::string usual = usual_name(name, fields);
+        throw ConfigError({.problem = "unknown option " + name,
+                           .hint = usual.empty() ? did_you_mean(name, all_options(fields))
+                                                 : usual});
     }
     if (extras.empty()) return;
     throw ConfigError(
@@ -189,11 +190,10 @@ void apply_given(const FieldList& fields, const std::vector<Given>& given) {
     for (std::size_t i = 0; i < given.size(); ++i) {
         const Field& field = fields.fields()[i];
         if (given[i].option->count() == 0) continue;
-        const std::string where = field.is_word() ? field.key : field.option();
         if (field.is_flag())
-            field.set({given[i].flag ? "true" : "false"}, where);
+            field.set({given[i].flag ? "true" : "false"}, field.place());
         else
-            field.set(items_of(field, given[i].items), where);
+            field.set(items_of(field, given[i].items), field.place());
     }
 }
 
@@ -203,7 +203,8 @@ std::string usage(const StageDescription& stage, const FieldList& fields) {
         std::string word = field.key;
         for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
         if (field.is_word() && field.is_list() && word.ends_with('S')) word.pop_back();
-        if (field.is_word()) line += " " + word + (field.is_list() ? "..." : "");
+        if (field.is_word() && field.is_list()) word += "...";
+        if (field.is_word()) line += field.required ? " " + word : " [" + word + "]";
         if (field.role == FieldRole::output) line += field.required ? " -o PATH" : " [-o PATH]";
     }
     return line + " [options]\n";
@@ -227,15 +228,19 @@ std::string field_help(const Field& field) {
     return fmt::format("  {:<22} {}\n", name, text);
 }
 
-/// The parser's "--output: 1 required TEXT missing" as "--output: a value is missing".
-std::string in_our_words(const std::string& message) {
+/// The parser's "--output: 1 required TEXT missing" as "--output: a value is missing". It has no
+/// other place for the option.
+ConfigError in_our_words(const CLI::ParseError& error) {
+    const std::string message = error.what();
     const std::size_t at = message.find(": 1 required ");
-    return at == std::string::npos ? message : message.substr(0, at) + ": a value is missing";
+    if (at == std::string::npos) return ConfigError(message);
+    return ConfigError({.option = message.substr(0, at), .problem = "a value is missing"});
 }
 
 constexpr const char* kCommonHelp = R"(
 Every verb:
-  --config FILE          read these options from a TOML file (keys as printed by --print-config)
+  --config FILE          read these options from a TOML file (keys as printed by --print-config; what it
+                         leaves out stays as by default)
   --set KEY=VALUE        change one of them
   --print-config         print all options as TOML and stop
   --threads N            threads to use, 1 or more (default: SLIM_THREADS, else SLURM_CPUS_PER_TASK, else
@@ -262,7 +267,7 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        throw ConfigError(in_our_words(error.what()));
+        throw in_our_words(error);
     }
     if (common.help || common.version) return common;
     if (common.quiet && common.verbose)
@@ -270,7 +275,7 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     refuse_extras(app.remaining(), fields, given);
     if (app.get_option("--threads")->count() > 0) common.threads = read_threads(threads);
     if (app.get_option("--config")->count() > 0 && common.config.empty())
-        throw ConfigError("--config: expected a file, found ''");
+        throw ConfigError({.option = "--config", .expected = "a file", .found = "''"});
     std::set<std::string> keys;
     if (!common.config.empty())
         for (const std::string& key : said_by_config(common.config, fields)) keys.insert(key);

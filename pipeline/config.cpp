@@ -52,8 +52,15 @@ bool parse_number(const std::string& text, T& out) {
     return false;
 }
 
+[[noreturn]] void refuse(Fault where, std::string expected, std::string found,
+                         std::string hint = {}) {
+    where.expected = std::move(expected), where.found = std::move(found);
+    where.hint = std::move(hint);
+    throw ConfigError(where);
+}
+
 template <class T>
-T parse_item(const std::string& text, const std::string& where) {
+T parse_item(const std::string& text, const Fault& where) {
     if constexpr (std::is_same_v<T, std::string>) {
         return text;
     } else if constexpr (std::is_same_v<T, bool>) {
@@ -63,7 +70,7 @@ T parse_item(const std::string& text, const std::string& where) {
         T value{};
         if (parse_number(text, value)) return value;
     }
-    throw ConfigError(fmt::format("{}: expected {}, found '{}'", where, expected_kind<T>(), text));
+    refuse(where, expected_kind<T>(), "'" + text + "'");
 }
 
 template <class T>
@@ -100,41 +107,21 @@ std::string join(const std::vector<std::string>& words) {
     return fmt::format("{}", fmt::join(words, ", "));
 }
 
-void check_range(const Field& field, const std::string& item, const std::string& where) {
+void check_range(const Field& field, const std::string& item, const Fault& where) {
     if (!field.choices.empty()) {
-        if (std::find(field.choices.begin(), field.choices.end(), item) != field.choices.end())
-            return;
-        const bool is_letter = item.size() < 2;  // near to everything
-        throw ConfigError(fmt::format("{}: expected one of {}; found '{}'{}", where,
-                                      join(field.choices), item,
-                                      is_letter ? "" : suggestion(item, field.choices)));
+        if (std::find(field.choices.begin(), field.choices.end(), item) == field.choices.end())
+            refuse(where, "one of " + join(field.choices), "'" + item + "'",
+                   did_you_mean(item, field.choices));
+        return;
     }
     if (field.kind() != Field::Kind::integer && field.kind() != Field::Kind::real) return;
     const double value = std::strtod(item.c_str(), nullptr);
-    if (!std::isfinite(value) || value < field.min || value > field.max) {
-        const std::string range = field.range_text();
-        throw ConfigError(fmt::format("{}: expected a {}number{}{}; found {}", where,
-                                      std::isfinite(value) ? "" : "finite ",
-                                      range.empty() ? "" : " ", range, item));
-    }
-}
-
-/// Optimal string alignment distance: one typo (also two letters swapped) counts 1.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i) {
-        for (std::size_t j = 0; j <= b.size(); ++j) {
-            if (i == 0 || j == 0) {
-                d[i][j] = i + j;
-                continue;
-            }
-            const std::size_t change = a[i - 1] == b[j - 1] ? 0 : 1;
-            d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + change});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-        }
-    }
-    return d[a.size()][b.size()];
+    if (std::isfinite(value) && value >= field.min && value <= field.max) return;
+    const std::string range = field.range_text();
+    refuse(where,
+           fmt::format("a {}number{}{}", std::isfinite(value) ? "" : "finite ",
+                       range.empty() ? "" : " ", range),
+           item);
 }
 
 }  // namespace
@@ -167,9 +154,13 @@ std::string Field::option() const {
     return name;
 }
 
-void Field::set(const std::vector<std::string>& items, const std::string& where) const {
+Fault Field::place() const {
+    return {.key = key, .option = is_word() ? "" : option()};
+}
+
+void Field::set(const std::vector<std::string>& items, const Fault& where) const {
     if (!is_list() && items.size() != 1)
-        throw ConfigError(fmt::format("{}: expected one value, found {}", where, items.size()));
+        refuse(where, "one value", std::to_string(items.size()));
     std::visit(
         [&](auto* target) {
             using T = std::remove_pointer_t<decltype(target)>;
@@ -228,7 +219,8 @@ void check_required(const FieldList& fields) {
     for (const Field& field : fields.fields()) {
         if (!field.required || !field.empty()) continue;
         const std::string name = field.role == FieldRole::output ? "-o" : field.key;
-        throw ConfigError(fmt::format("missing {}: {}", name, field.help));
+        throw ConfigError(
+            {.key = field.key, .option = "missing " + name, .problem = field.help});
     }
 }
 
@@ -251,18 +243,6 @@ std::string canonical_config(const FieldList& fields) {
         if (!field.is_path() && !field.is_part)
             out += fmt::format("{} = {}\n", field.key, field.toml());
     return out;
-}
-
-std::string suggestion(std::string_view wrong, const std::vector<std::string>& known) {
-    std::size_t best = std::max<std::size_t>(2, wrong.size() / 3) + 1;
-    const std::string* nearest = nullptr;
-    for (const std::string& name : known) {
-        const std::size_t distance = edit_distance(wrong, name);
-        if (distance >= best) continue;
-        best = distance;
-        nearest = &name;
-    }
-    return nearest ? fmt::format(" (did you mean '{}'?)", *nearest) : "";
 }
 
 std::vector<std::string> keys_of(const FieldList& fields) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "slim/base/error.h"
+#include "slim/base/nearest_name.h"
+
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -49,11 +52,12 @@ public:
     bool empty() const;
     /// "--t-mdl" for t_mdl.
     std::string option() const;
+    /// Its place in an error: its key, and its option unless it is a word of the command line.
+    Fault place() const;
 
     /// Parses, checks the range or the choices, and stores. A list takes all items, anything else
-    /// exactly one. `where` ("--t-mdl" or "job.toml:3: t_mdl") begins the message of the
-    /// ConfigError.
-    void set(const std::vector<std::string>& items, const std::string& where) const;
+    /// exactly one. `where` is the place, key or option of the ConfigError.
+    void set(const std::vector<std::string>& items, const Fault& where) const;
     std::vector<std::string> items() const;  ///< the value as text, numbers exact
     std::string toml() const;                ///< the value as TOML
     std::string range_text() const;          ///< "in [1, 3]", "one of a, b" or ""
@@ -185,8 +189,6 @@ std::string print_config(const FieldList& fields);
 /// hash is of.
 std::string canonical_config(const FieldList& fields);
 
-/// " (did you mean 'degree'?)", or "" when no known name is near.
-std::string suggestion(std::string_view wrong, const std::vector<std::string>& known);
 std::vector<std::string> keys_of(const FieldList& fields);
 
 }  // namespace slim

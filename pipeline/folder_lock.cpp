@@ -56,7 +56,8 @@ int FolderLock::open_folder(const std::string& folder, Hold hold) {
     made_it_ = hold == Hold::alone && make_folders(folder);
     const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0 && hold == Hold::alone)
-        throw IoError(fmt::format("{}: cannot be created: {}", folder, std::strerror(errno)),
+        throw IoError(
+            {.file = folder, .problem = fmt::format("cannot be created: {}", std::strerror(errno))},
                       ExitCode::usage);
     return descriptor;
 }

@@ -80,9 +80,10 @@ void refuse_to_replace_other(const std::string& output) {
     const InputKind kind = input_kind(output);
     const bool is_cloud = kind == InputKind::cloud;
     if (kind == InputKind::model || (!is_cloud && fs::path(output).extension() == ".slim")) return;
-    throw ConfigError(
-        fmt::format("{}: is there already and is {}, not a model; name another file or remove it",
-                    output, is_cloud ? "a cloud" : "some other file"));
+    throw ConfigError({.file = output,
+                       .problem = fmt::format("is there already and is {}, not a model; name "
+                                              "another file or remove it",
+                                              is_cloud ? "a cloud" : "some other file")});
 }
 
 void refuse_other_ending(const std::string& model) {
@@ -90,30 +91,36 @@ void refuse_other_ending(const std::string& model) {
     if (!is_cloud_ending(ending) &&
         std::find(kOtherEndings.begin(), kOtherEndings.end(), ending) == kOtherEndings.end())
         return;
-    throw ConfigError(
-        fmt::format("{}: a model is written, no {} file; expected a name ending in .slim, as {}",
-                    model, ending, fs::path(model).replace_extension(".slim").string()));
+    throw ConfigError({.file = model,
+                       .problem = fmt::format("a model is written, no {} file", ending),
+                       .expected = "a name ending in .slim, as " +
+                                   fs::path(model).replace_extension(".slim").string()});
 }
 
 void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs) {
     std::error_code none;
     for (const std::string& input : inputs)
         if (!input.empty() && !output.empty() && std::filesystem::equivalent(input, output, none))
-            throw ConfigError(output + ": is an input; expected another name to write to");
+            throw ConfigError({.file = output,
+                               .problem = "is an input",
+                               .expected = "another name to write to"});
 }
 
 void make_writable_folder(const fs::path& folder) {
     make_folders(folder.string());
     if (::access(folder.c_str(), W_OK) != 0)
-        throw IoError(folder.string() + ": cannot write into this folder: " + std::strerror(errno),
+        throw IoError({.file = folder.string(),
+                       .problem =
+                           std::string("cannot write into this folder: ") + std::strerror(errno)},
                       ExitCode::usage);
 }
 
 void require_model(const std::string& path) {
     const InputKind kind = input_kind(path);
     if (kind == InputKind::folder)
-        throw ConfigError(path +
-                          ": is a folder; expected a model (model.slim), as `slim build` writes");
+        throw ConfigError({.file = path,
+                           .problem = "is a folder",
+                           .expected = "a model (model.slim), as `slim build` writes"});
     if (kind == InputKind::other && names_a_cloud(path)) say_what_is_wrong(path);
     if (kind != InputKind::cloud) return;
     fs::path model = fs::path(path).filename();

@@ -13,6 +13,10 @@ namespace slim {
 /// throws  nlohmann::json::parse_error with the byte, for text that is not JSON
 nlohmann::json json_from(std::istream& in);
 
+/// A whole file. IoError if it cannot be read; FormatError with the line and byte, and what stands
+/// there, for text that is not JSON.
+nlohmann::json read_json(const std::string& path);
+
 /// The same, but `discarded` (is_discarded(), of no type) for text that is not JSON.
 nlohmann::json json_or_discarded(std::istream& in);
 nlohmann::json json_or_discarded(const std::string& text);

@@ -28,19 +28,22 @@ int unit_power(std::string_view unit) {
 }  // namespace
 
 std::uint64_t parse_memory_size(std::string_view text) {
-    const std::string message = fmt::format(
-        "memory size '{}': expected a number with an optional unit, such as 1GiB or 800M", text);
+    const ConfigError no_size({.key = "memory",
+                               .expected =
+                                   "a number with an optional unit, such as 1GiB or 800M",
+                               .found = fmt::format("'{}'", text)});
     double value = 0;
     const auto number = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (number.ec != std::errc()) throw ConfigError(message);
+    if (number.ec != std::errc()) throw no_size;
     std::string_view unit = text.substr(static_cast<std::size_t>(number.ptr - text.data()));
     while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
     const int power = unit_power(unit);
     const double bytes = std::ldexp(value, 10 * power);
-    if (power < 0 || std::isnan(bytes)) throw ConfigError(message);
+    if (power < 0 || std::isnan(bytes)) throw no_size;
     if (!(bytes >= 1) || bytes > 0x1p62)
-        throw ConfigError(
-            fmt::format("memory size '{}': expected at least one byte and at most 4 EiB", text));
+        throw ConfigError({.key = "memory",
+                           .expected = "at least one byte and at most 4 EiB",
+                           .found = fmt::format("'{}'", text)});
     return static_cast<std::uint64_t>(bytes);
 }
 

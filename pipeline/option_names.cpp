@@ -1,5 +1,7 @@
 #include "pipeline/option_names.h"
 
+#include "pipeline/contains.h"
+
 #include <algorithm>
 
 namespace slim {
@@ -23,40 +25,32 @@ std::string without_marks(const FieldList& fields, const std::string& what) {
     return out + what.substr(at);
 }
 
-/// The field whose path begins the message; null if none does.
-const Field* field_of_path(const FieldList& fields, const std::string& what) {
-    for (const Field& field : fields.fields())
-        if (field.is_path())
-            for (const std::string& item : field.items())
-                if (!item.empty() && (what.starts_with(item + ":") || what.starts_with(item + " ")))
-                    return &field;
-    return nullptr;
-}
-
-/// "-o x.txt: expected ..." of "x.txt: expected ...": which of several files it is of. Not where a
-/// file's line follows, which says more.
-std::string with_option_of_path(const Field& field, const std::string& what, bool in_a_job) {
-    bool of_line = false;
-    for (const std::string& item : field.items())
-        of_line |= what.starts_with(item + ":") && what.size() > item.size() + 1 &&
-                   what[item.size() + 1] >= '0' && what[item.size() + 1] <= '9';
-    const bool is_output = field.role == FieldRole::output;
-    if (field.is_word() || of_line || (is_output && in_a_job)) return what;
-    return (is_output ? "-o" : field.option()) + " " + what;
+/// The option that gave the fault's file; empty if it was a word, or the job's.
+std::string option_of_file(const FieldList& fields, const std::string& file, bool in_a_job) {
+    for (const Field& field : fields.fields()) {
+        if (!field.is_path() || !contains(field.items(), file)) continue;
+        const bool is_output = field.role == FieldRole::output;
+        if (field.is_word() || (is_output && in_a_job)) return "";
+        return is_output ? "-o" : field.option();
+    }
+    return "";
 }
 
 }  // namespace
 
 std::string quoted_key(std::string_view key) { return kMark + std::string(key) + kMark; }
 
-std::string with_option_names(const FieldList& fields, std::string what, bool in_a_job) {
-    what = without_marks(fields, what);
-    const std::size_t end = what.find_first_of(": ");
-    if (end == std::string::npos) return what;
-    if (const Field* path = field_of_path(fields, what))
-        return with_option_of_path(*path, what, in_a_job);
-    const Field* field = fields.find(what.substr(0, end));
-    return field && !field->is_word() ? field->option() + what.substr(end) : what;
+Fault with_option_names(const FieldList& fields, Fault fault, bool in_a_job) {
+    for (std::string* text : {&fault.problem, &fault.expected, &fault.hint})
+        *text = without_marks(fields, *text);
+    const bool of_whole_file = fault.line == 0 && fault.said_by.empty();
+    if (!fault.option.empty()) return fault;
+    if (!fault.file.empty()) {
+        if (of_whole_file) fault.option = option_of_file(fields, fault.file, in_a_job);
+    } else if (const Field* field = fields.find(fault.key)) {
+        fault.option = field->place().option;
+    }
+    return fault;
 }
 
 }  // namespace slim

@@ -12,13 +12,14 @@
 
 namespace slim {
 
-/// The analytic shape that an option or word names. ConfigError beginning with `where`,
-/// with the nearest name.
-inline const Shape& shape_named(const std::string& name, const std::string& where) {
+/// The analytic shape that an option or word of this key names. ConfigError with the nearest name.
+inline const Shape& shape_named(const std::string& name, const std::string& key) {
     const std::vector<std::string> known = shape_names();
     if (std::find(known.begin(), known.end(), name) == known.end())
-        throw ConfigError(fmt::format("{}: expected one of {}; found \"{}\"{}", where,
-                                      fmt::join(known, ", "), name, suggestion(name, known)));
+        throw ConfigError({.key = key,
+                           .expected = fmt::format("one of {}", fmt::join(known, ", ")),
+                           .found = "'" + name + "'",
+                           .hint = did_you_mean(name, known)});
     return find_shape(name);
 }
 

@@ -25,6 +25,7 @@
 #include <new>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -198,12 +199,26 @@ bool runs_in_a_job() { return std::getenv(kErrorsByParent) != nullptr; }
 
 namespace {
 
-int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const std::string& what) {
+/// For programs: code and message, and of the fault's parts those that are known.
+json json_of_failure(ExitCode code, const std::string& what, const Fault& fault) {
+    json out = {{"code", static_cast<int>(code)}, {"message", what}};
+    const std::pair<const char*, const std::string&> parts[] = {
+        {"file", fault.file}, {"said_by", fault.said_by},   {"key", fault.key},
+        {"option", fault.option}, {"expected", fault.expected}, {"found", fault.found},
+        {"hint", fault.hint}};
+    for (const auto& [name, text] : parts)
+        if (!text.empty()) out[name] = text;
+    if (fault.line > 0) out["line"] = fault.line;
+    return out;
+}
+
+int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const std::string& what,
+                   const Fault& fault = {}) {
     remove_empty_made_folders();
     if (!as_json || !runs_in_a_job())
         Console("slim-" + stage.description.name, Console::Level::quiet).error(what);
     if (as_json) {
-        const json error = {{"error", {{"code", static_cast<int>(code)}, {"message", what}}}};
+        const json error = {{"error", json_of_failure(code, what, fault)}};
         const std::string text = text_of(error) + "\n";
         std::fwrite(text.data(), 1, text.size(), stdout);
         std::fflush(stdout);
@@ -244,9 +259,9 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
         return 0;
     } catch (const Error& error) {
         const bool usage = error.code() == ExitCode::usage;
-        return fail(error.code(),
-                    usage ? with_option_names(stage.fields, error.what(), runs_in_a_job())
-                          : error.what());
+        const Fault fault =
+            usage ? with_option_names(stage.fields, error.fault(), runs_in_a_job()) : error.fault();
+        return report_failure(stage, asks_json(argc, argv), error.code(), message_of(fault), fault);
     } catch (const std::bad_alloc&) {
         return fail(ExitCode::resource, out_of_memory(stage.fields));
     } catch (const std::filesystem::filesystem_error& error) {

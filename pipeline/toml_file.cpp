@@ -1,6 +1,7 @@
 #include "pipeline/toml_file.h"
 
 #include "slim/base/error.h"
+#include "slim/base/nearest_name.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -39,9 +40,9 @@ bool scalar(const toml::node& node, Field::Kind& kind, std::string& text) {
 }
 
 [[noreturn]] void unreadable(const fs::path& file, const TomlValue& value) {
-    throw ConfigError(fmt::format("{}: {}: expected a string, a number, true, false or a plain "
-                                  "array of one kind of them",
-                                  toml_place(file, value.line), value.key));
+    Fault fault = toml_fault(file, value.line, value.key);
+    fault.expected = "a string, a number, true, false or a plain array of one kind of them";
+    throw ConfigError(fault);
 }
 
 /// Whole numbers among real ones make a real array; anything else must be of one kind.
@@ -108,22 +109,68 @@ bool is_bare_number(const TomlValue& value, const Field& field) {
            (value.kind == Field::Kind::integer || value.kind == Field::Kind::real);
 }
 
-void check_type(const TomlValue& value, const Field& field, const std::string& where) {
+void check_type(const TomlValue& value, const Field& field, Fault where) {
     const bool same = value.kind == field.kind() || value.items.empty() ||
                       (field.kind() == Field::Kind::real && value.kind == Field::Kind::integer) ||
                       (!field.choices.empty() && value.kind == Field::Kind::integer) ||
                       is_bare_number(value, field);
-    if (same && value.is_list == field.is_list()) return;
-    throw ConfigError(fmt::format("{}: expected {}{}, found {}{}", where,
-                                  field.is_list() ? "an array, each item " : "",
-                                  kind_name(field.kind()), value.is_list ? "an array of " : "",
-                                  kind_name(value.kind)));
+    const bool one_text = field.is_list() && !value.is_list && value.kind == Field::Kind::text;
+    if (one_text || (same && (!value.is_list || field.is_list()))) return;
+    where.expected = (field.is_list() ? "an array, each item " : "") +
+                     std::string(kind_name(field.kind()));
+    where.found = (value.is_list ? "an array of " : "") + std::string(kind_name(value.kind));
+    throw ConfigError(where);
 }
 
-std::vector<std::string> resolved(std::vector<std::string> paths, const fs::path& file) {
-    for (std::string& path : paths)
-        if (!path.empty()) path = (file.parent_path() / path).lexically_normal().string();
-    return paths;
+std::string trimmed(const std::string& text) {
+    const std::size_t first = text.find_first_not_of(" \t\r"),
+                      last = text.find_last_not_of(" \t\r");
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+/// The key of "key = value", "[table]" of a table that may be there once, else "".
+std::string name_in(const std::string& line) {
+    const std::string text = trimmed(line);
+    if (text.starts_with('[')) return text.starts_with("[[") || !text.ends_with(']') ? "" : text;
+    const std::size_t equals = text.find('=');
+    return equals == std::string::npos || text.find('#') < equals ? ""
+                                                                  : trimmed(text.substr(0, equals));
+}
+
+/// The line before that has the same key in the same table, or is the same [table]; 0 without one.
+std::size_t said_before(const std::vector<std::string>& lines, std::size_t at) {
+    const std::string name = name_in(lines[at]);
+    const bool is_table = name.starts_with('[');
+    if (name.empty()) return 0;
+    for (std::size_t i = at; i-- > 0;) {
+        const std::string other = name_in(lines[i]);
+        if (other == name) return i + 1;
+        if (!is_table && trimmed(lines[i]).starts_with('[')) return 0;
+    }
+    return 0;
+}
+
+/// What the parser does not take, in our words: its own are of its parts.
+ConfigError not_toml(const fs::path& file, const std::string& text,
+                     const toml::source_position& at) {
+    std::vector<std::string> lines;
+    std::stringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    Fault fault{.file = file.string(), .line = static_cast<int>(at.line), .problem = "not TOML"};
+    const std::size_t line = at.line - 1;
+    if (line >= lines.size()) {
+        fault.expected = "the rest of a value", fault.found = "the end of the file";
+        return ConfigError(fault);
+    }
+    if (const std::size_t before = said_before(lines, line)) {
+        fault.problem =
+            fmt::format("{} is there already, in line {}", name_in(lines[line]), before);
+        return ConfigError(fault);
+    }
+    fault.problem += fmt::format(", column {}", at.column);
+    fault.expected = "key = value (text in quotes), [table] or # comment";
+    fault.found = "'" + trimmed(lines[line]).substr(0, 60) + "'";
+    return ConfigError(fault);
 }
 
 }  // namespace
@@ -133,6 +180,38 @@ std::string toml_place(const fs::path& file, int line) {
     return file.string() + (line == kBySet ? ", --set" : ", command line");
 }
 
+Fault toml_fault(const fs::path& file, int line, const std::string& key) {
+    Fault fault{.file = file.string(), .key = key};
+    if (line > 0) fault.line = line;
+    else fault.said_by = line == kBySet ? "--set" : "command line";
+    return fault;
+}
+
+std::vector<std::string> list_items(const Field& field, const std::string& text,
+                                    const fs::path& folder) {
+    std::error_code none;
+    const bool is_file = field.is_path() && fs::exists(folder / text, none);
+    if (is_file || (field.is_path() && field.is_word())) return {text};
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    for (std::size_t end; (end = text.find(',', begin)) != std::string::npos; begin = end + 1)
+        parts.push_back(text.substr(begin, end - begin));
+    parts.push_back(text.substr(begin));
+    return parts;
+}
+
+std::vector<std::string> items_for(const Field& field, const TomlValue& value,
+                                   const fs::path& folder) {
+    std::vector<std::string> items = value.items;
+    if (field.is_list() && !value.is_list)
+        items = items[0].empty() ? std::vector<std::string>{}
+                                 : list_items(field, items[0], folder);
+    if (!field.is_path()) return items;
+    for (std::string& path : items)
+        if (!path.empty()) path = (folder / path).lexically_normal().string();
+    return items;
+}
+
 TomlTable read_toml(const fs::path& file) {
     errno = 0;
     std::ifstream in(file, std::ios::binary);
@@ -140,13 +219,13 @@ TomlTable read_toml(const fs::path& file) {
     if (in) text << in.rdbuf();
     if (!in || fs::is_directory(file))
         throw ConfigError(
-            fmt::format("{}: cannot read: {}", file.string(),
-                        fs::is_directory(file) ? "is a directory" : std::strerror(errno)));
+            {.file = file.string(),
+             .problem = std::string("cannot read: ") +
+                        (fs::is_directory(file) ? "is a directory" : std::strerror(errno))});
     try {
         return read_table("", toml::parse(text.view(), file.string()), file);
     } catch (const toml::parse_error& error) {
-        throw ConfigError(fmt::format("{}:{}: not TOML: {}", file.string(),
-                                      error.source().begin.line, error.description()));
+        throw not_toml(file, text.str(), error.source().begin);
     }
 }
 
@@ -183,23 +262,26 @@ void set_value(TomlTable& root, const std::string& key_equals_value) {
 
 void apply_table(const TomlTable& table, const FieldList& fields, const fs::path& file) {
     for (const TomlValue& value : table.values) {
-        const std::string where = fmt::format("{}: {}", toml_place(file, value.line), value.key);
         const Field* field = fields.find(value.key);
-        if (!field)
-            throw ConfigError(fmt::format("{}: unknown key '{}'{}", toml_place(file, value.line),
-                                          value.key, suggestion(value.key, keys_of(fields))));
+        if (!field) {
+            Fault fault = toml_fault(file, value.line);
+            fault.problem = "unknown key '" + value.key + "'";
+            fault.hint = did_you_mean(value.key, keys_of(fields));
+            throw ConfigError(fault);
+        }
+        const Fault where = toml_fault(file, value.line, value.key);
         check_type(value, *field, where);
-        field->set(field->is_path() ? resolved(value.items, file) : value.items, where);
+        field->set(items_for(*field, value, file.parent_path()), where);
     }
 }
 
 std::vector<std::string> apply_config_file(const fs::path& file, const FieldList& fields) {
     const TomlTable table = read_toml(file);
     if (!table.tables.empty())
-        throw ConfigError(
-            fmt::format("{}: unknown table [{}]: a stage's config holds plain keys only"
-                        " (a job file is for 'slim run')",
-                        toml_place(file, table.tables[0].line), table.tables[0].name));
+        throw ConfigError(ConfigError("unknown table [" + table.tables[0].name +
+                                      "]: a stage's config holds plain keys only (a job file is "
+                                      "for 'slim run')")
+                              .at(toml_fault(file, table.tables[0].line)));
     apply_table(table, fields, file);
     std::vector<std::string> keys;
     for (const TomlValue& value : table.values) keys.push_back(value.key);

@@ -15,6 +15,9 @@ inline constexpr int kBySet = 0, kOnCommandLine = -1;
 /// A place in a file: "job.toml:12", "job.toml, --set", "job.toml, command line".
 std::string toml_place(const std::filesystem::path& file, int line);
 
+/// The same as the place of a fault.
+Fault toml_fault(const std::filesystem::path& file, int line, const std::string& key = {});
+
 /// A TOML value of the kinds our files use, numbers as exact text.
 struct TomlValue {
     std::string key;
@@ -40,6 +43,15 @@ TomlTable read_toml(const std::filesystem::path& file);
 /// it, text without quotes allowed (render.size=640x480); tables that are missing are made.
 /// ConfigError if there is no such form or the table is a [[list]].
 void set_value(TomlTable& root, const std::string& key_equals_value);
+
+/// A value's items for a field. A list may be written as a command line has it, "a,b" for
+/// ["a", "b"], and a single item alone. `folder`: where relative paths are from.
+std::vector<std::string> items_for(const Field& field, const TomlValue& value,
+                                   const std::filesystem::path& folder);
+
+/// Items of a list in one text, a,b; a file whose name has a comma is that file.
+std::vector<std::string> list_items(const Field& field, const std::string& text,
+                                    const std::filesystem::path& folder = {});
 
 /// Sets the fields that a table names; relative paths are taken from the file's folder. ConfigError
 /// with file:line for an unknown key (and the nearest one), a wrong type or a value out of range.

@@ -37,7 +37,9 @@ std::string text_of(const Vec3d& v) {
     return text.str();
 }
 
-[[noreturn]] void bad_camera(const std::string& what) { throw ConfigError("camera: " + what); }
+[[noreturn]] void bad_camera(const std::string& what) {
+    throw ConfigError({.key = "camera", .problem = what});
+}
 
 /// A direction of a view with y up in a world with another axis up: a rotation that keeps the front
 /// view along -Z, or turns it along +Y where that axis is z.
@@ -140,6 +142,15 @@ std::array<Vec3d, 3> upright_axes(UpAxis up) {
 bool is_camera_name(std::string_view name) {
     return std::any_of(kNamedViews.begin(), kNamedViews.end(),
                        [&](const NamedView& v) { return v.name == name; });
+}
+
+const std::vector<std::string>& camera_names() {
+    static const std::vector<std::string> kNames = [] {
+        std::vector<std::string> names;
+        for (const NamedView& view : kNamedViews) names.emplace_back(view.name);
+        return names;
+    }();
+    return kNames;
 }
 
 FramedCamera framed_camera(std::string_view name, const Framed& framed, double aspect,

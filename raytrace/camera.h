@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace slim {
 
@@ -79,6 +80,8 @@ Camera named_camera(std::string_view name, const Framed& framed, double aspect,
 
 /// True if named_camera knows the name.
 bool is_camera_name(std::string_view name);
+/// All of them: front, back, ...
+const std::vector<std::string>& camera_names();
 
 /// A camera with a picture's size: everything that projection needs, in doubles. Camera coordinates
 /// are x right, y *down*, z along the view, so that they run with the pixels.

@@ -141,8 +141,10 @@ void take_recorded_costs(const std::string& work, nlohmann::json& stages) {
 void check_output(const BuildConfig& config) {
     std::error_code ignored;
     if (fs::is_directory(config.output, ignored))
-        throw ConfigError(config.output + ": is a folder; expected a file to write, as " +
-                          (fs::path(config.output) / "model.slim").string());
+        throw ConfigError({.file = config.output,
+                           .problem = "is a folder",
+                           .expected = "a file to write, as " +
+                                       (fs::path(config.output) / "model.slim").string()});
     check_replaceable(config.output);
     check_replaceable(manifest_path(config.output).string());
     for (const std::string& input : config.inputs) refuse_to_overwrite(config.output, {input});

@@ -102,8 +102,11 @@ NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& pla
             continue;
         }
         try {
-            add_slice(manifest.at("result"), out);
-            settings.add(i, manifest.value("settings", ""));
+            const auto& result = manifest.at("result");
+            add_slice(result, out);
+            const auto sensors = result.value("sensors", nlohmann::json::object());
+            settings.add(i, manifest.value("settings", ""), sensors.value("hash", ""),
+                         sensors.value("file", ""));
         } catch (const nlohmann::json::exception&) {
             throw FormatError(
                 fmt::format("{}: no manifest of this version: run `slim normals {}` for all slices",

@@ -34,6 +34,16 @@ void NormalsSettings::add(std::size_t slice, const std::string& settings) {
     if (!settings.empty()) slices_[settings].push_back(slice);
 }
 
+void NormalsSettings::add(std::size_t slice, const std::string& settings, const std::string& hash,
+                          const std::string& file) {
+    if (settings.empty()) return;
+    const std::string line = "sensors = " + hash;
+    sensors_.try_emplace(line, hash.empty()   ? "no sensors"
+                               : file.empty() ? "the sensors beside its inputs"
+                                              : "--sensors " + file);
+    add(slice, settings + line + "\n");
+}
+
 void NormalsSettings::require_same(const std::string& work) const {
     if (slices_.size() < 2) return;
     std::set<std::string> common = lines_of(slices_.begin()->first);
@@ -46,7 +56,8 @@ void NormalsSettings::require_same(const std::string& work) const {
         text += fmt::format("{} slice{} {} with", text.empty() ? "" : ",",
                             slices.size() == 1 ? "" : "s", fmt::join(slices, " "));
         for (const std::string& line : lines_of(settings))
-            if (!common.contains(line)) text += " " + as_option(line);
+            if (!common.contains(line))
+                text += " " + (sensors_.contains(line) ? sensors_.at(line) : as_option(line));
     }
     throw IncompleteError(fmt::format(
         "{}: the normals of its slices were made with different options:{}: run `slim normals {}` "

@@ -203,8 +203,10 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         context.check_stop();
         writer.commit();
     }
-    nlohmann::json result =
-        stamp.commit(report_json(report, noise, n_own), Outlasts::process);
+    nlohmann::json found = report_json(report, noise, n_own);
+    if (!sensors.empty())
+        found["sensors"] = {{"file", config.sensors}, {"hash", sensors_hash(sensors)}};
+    nlohmann::json result = stamp.commit(std::move(found), Outlasts::process);
     if (context.handed && plan.slices.size() == 1)
         context.handed->put(output.string(), std::move(points));
     return result;
@@ -258,14 +260,17 @@ void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
 
 void check_normals_config(const NormalsConfig& config) {
     if (config.neighbors != 0 && config.neighbors < 4)
-        throw ConfigError(
-            fmt::format("neighbors: expected 0, or 4 to 200, found {}", config.neighbors));
+        throw ConfigError({.key = "neighbors",
+                           .expected = "0, or 4 to 200",
+                           .found = std::to_string(config.neighbors)});
     if (config.normals != "keep") return;
     if (!config.sensors.empty())
-        throw ConfigError("sensors: turn estimated normals; --normals keep estimates none");
+        throw ConfigError({.key = "sensors",
+                           .problem = "turn estimated normals; --normals keep estimates none"});
     if (config.neighbors != 0)
         throw ConfigError(
-            "neighbors: are what normals are estimated from; --normals keep estimates none");
+            {.key = "neighbors",
+             .problem = "are what normals are estimated from; --normals keep estimates none"});
 }
 
 std::filesystem::path oriented_points_path(const std::filesystem::path& work, std::size_t slice) {

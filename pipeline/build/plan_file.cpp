@@ -10,7 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 
 namespace slim {
 namespace {
@@ -175,10 +175,10 @@ void write_plan(const std::filesystem::path& work, const SlicePlan& plan) {
 
 SlicePlan read_plan(const std::filesystem::path& work) {
     const std::string path = plan_path(work).string();
-    std::ifstream in(path);
-    if (!in) throw IoError(fmt::format("{}: cannot be opened; run the slice stage first", path));
+    if (!std::filesystem::exists(path))
+        throw IoError(fmt::format("{}: cannot be opened; run the slice stage first", path));
+    const json j = read_json(path);
     try {
-        const json j = json_from(in);
         if (version_of(j) > kVersion)
             throw FormatError(
                 fmt::format("written by a newer slim: version {}, this one reads up to {}",
@@ -188,8 +188,11 @@ SlicePlan read_plan(const std::filesystem::path& work) {
                 "of an older slim: version {}, this one reads {}: run `slim slice` again",
                 version_of(j), kVersion));
         return plan_from(j);
-    } catch (const json::exception& error) {
-        throw FormatError(fmt::format("{}: not a slice plan: {}", path, error.what()));
+    } catch (const json::exception&) {
+        throw FormatError(Fault{.file = path,
+                                .problem = "not a slice plan",
+                                .expected = "a version, inputs, slices and the other keys that "
+                                            "`slim slice` writes: run it again"});
     } catch (const FormatError& error) {
         throw FormatError(fmt::format("{}: {}", path, error.what()));
     }

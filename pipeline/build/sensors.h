@@ -17,4 +17,7 @@ std::string scans_json_path(const std::string& cloud_path);
 /// throws IoError, FormatError
 std::vector<Vec3d> read_sensors(const std::string& sensors_file, const SlicePlan& plan);
 
+/// Of the positions alone, whatever their file is called; empty without any.
+std::string sensors_hash(const std::vector<Vec3d>& sensors);
+
 }  // namespace slim

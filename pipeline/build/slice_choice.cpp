@@ -49,11 +49,12 @@ std::optional<long long> array_index() {
 std::vector<std::size_t> slices_of_task(long long task, std::size_t per_task, std::size_t n) {
     const std::size_t tasks = (n + per_task - 1) / per_task;
     if (task >= static_cast<long long>(tasks))
-        throw ConfigError(per_task == 1
-                              ? fmt::format("slice {}: the plan has slices 0 to {}", task, n - 1)
-                              : fmt::format("task {}: at {} slices a task the slices 0 to {} of "
-                                            "the plan are those of tasks 0 to {}",
-                                            task, per_task, n - 1, tasks - 1));
+        throw per_task == 1
+            ? ConfigError({.key = "slice",
+                           .problem = fmt::format(" {}: the plan has slices 0 to {}", task, n - 1)})
+            : ConfigError(fmt::format("task {}: at {} slices a task the slices 0 to {} of the "
+                                      "plan are those of tasks 0 to {}",
+                                      task, per_task, n - 1, tasks - 1));
     const std::size_t begin = static_cast<std::size_t>(task) * per_task;
     return numbers(begin, std::min(begin + per_task, n));
 }
@@ -65,16 +66,16 @@ std::vector<std::size_t> slices_to_do(const SliceChoice& choice, const SlicePlan
                       per_task = static_cast<std::size_t>(choice.slices_per_task);
     if (choice.slice == kAllSlices) return numbers(0, n);
     if (choice.slice >= 0 && per_task > 1)
-        throw ConfigError(
-            "slices_per_task: is for array jobs; `slice` names one slice: leave out one of the "
-            "two");
+        throw ConfigError({.key = "slices_per_task",
+                           .problem = "is for array jobs; --slice names one slice: leave out one "
+                                      "of the two"});
     if (choice.slice >= 0) return slices_of_task(choice.slice, 1, n);
     if (const auto task = array_index()) return slices_of_task(*task, per_task, n);
     if (per_task > 1)
-        throw ConfigError(
-            "slices_per_task: is for array jobs: found none of SLURM_ARRAY_TASK_ID, SGE_TASK_ID "
-            "and PBS_ARRAY_INDEX "
-            "in the environment");
+        throw ConfigError({.key = "slices_per_task",
+                           .problem = "is for array jobs",
+                           .found = "none of SLURM_ARRAY_TASK_ID, SGE_TASK_ID and PBS_ARRAY_INDEX "
+                                    "in the environment"});
     return numbers(0, n);
 }
 

@@ -196,8 +196,10 @@ Vec3d choose_origin(const Bbox& bounds) {
 
 void check_slice_memory(const std::string& memory) {
     if (parse_memory_size(memory) < kLeastMemory)
-        throw ConfigError("--memory " + memory + ": expected at least " +
-                          memory_size_text(kLeastMemory) + ", which the coarse levels take");
+        throw ConfigError({.key = "memory",
+                           .expected = "at least " + memory_size_text(kLeastMemory) +
+                                       ", which the coarse levels take",
+                           .found = "'" + memory + "'"});
 }
 
 nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {

@@ -67,8 +67,9 @@ void mark(const std::string& work) {
     const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (file < 0) {
         const bool full = errno == ENOSPC || errno == EDQUOT;
-        throw IoError(fmt::format("{}: cannot write into this folder: {}", work,
-                                  std::strerror(errno)),
+        throw IoError({.file = work,
+                       .problem = fmt::format("cannot write into this folder: {}",
+                                              std::strerror(errno))},
                       full ? ExitCode::resource : ExitCode::usage);
     }
     // what it says is for people: an empty one does as well
@@ -122,11 +123,11 @@ WorkFolder claim_own_work(const std::string& path, bool existed) {
         return out;
     }
     if (holds_a_plan(path)) return out;
-    throw ConfigError(fmt::format(
-        "{}: a build without --work has its intermediate files there and removes them, but this "
-        "folder holds files that no build made: name another one with --work DIR, which is kept, "
-        "or remove this one",
-        path));
+    throw ConfigError(
+        {.file = path,
+         .problem = "a build without --work has its intermediate files there and removes them, but "
+                    "this folder holds files that no build made: name another one with --work DIR, "
+                    "which is kept, or remove this one"});
 }
 
 void unmark_work(const fs::path& work) {

@@ -82,8 +82,12 @@ json provenance_info(const std::string& path, const json& provenance) {
         return {{"fit", fit_options(provenance)},
                 {"fallbacks", fallback_sums(provenance)},
                 {"dropped", dropped_sums(provenance)}};
-    } catch (const json::exception& error) {
-        throw FormatError(fmt::format("{}: chunk provenance: {}", path, error.what()));
+    } catch (const json::exception&) {
+        throw FormatError(Fault{.file = path,
+                                .problem = "chunk provenance",
+                                .expected = "the fit, fallbacks and dropped points as `slim build` "
+                                            "writes them",
+                                .found = "other values"});
     }
 }
 

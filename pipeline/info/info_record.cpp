@@ -1,13 +1,11 @@
 #include "pipeline/info/info_record.h"
 
 #include "pipeline/json_text.h"
-#include "slim/base/error.h"
 
 #include <fmt/format.h>
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
 
 namespace slim {
@@ -82,21 +80,16 @@ json about_of(const json& c) {
 }  // namespace
 
 json record_info(const std::string& path) {
-    std::ifstream in(path);
+    json contents = read_json(path);
+    json out;
     try {
-        json contents = json_from(in);
-        json out;
-        try {
-            out = about_of(contents);
-        } catch (const json::exception&) {  // the keys of one of ours, and other values
-            out = {{"kind", "json"}, {"about", "JSON, of no kind that slim writes"}};
-        }
-        out["bytes"] = std::filesystem::file_size(path);
-        out["contents"] = std::move(contents);
-        return out;
-    } catch (const json::parse_error& error) {
-        throw FormatError(fmt::format("{}: byte {}: not JSON: {}", path, error.byte, error.what()));
+        out = about_of(contents);
+    } catch (const json::exception&) {  // the keys of one of ours, and other values
+        out = {{"kind", "json"}, {"about", "JSON, of no kind that slim writes"}};
     }
+    out["bytes"] = std::filesystem::file_size(path);
+    out["contents"] = std::move(contents);
+    return out;
 }
 
 }  // namespace slim

@@ -1,5 +1,6 @@
 #include "pipeline/info/info_stage.h"
 
+#include "formats/cloud_kind.h"
 #include "formats/fit_file.h"
 #include "formats/slice_file.h"
 #include "pipeline/build/plan_file.h"
@@ -13,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -95,6 +97,40 @@ std::string first_bytes(const std::string& path, std::size_t n) {
     return head;
 }
 
+constexpr const char* kKinds =
+    "a model (.slim), a cloud (PLY, or text of coordinates; also .gz), a slice or fit of a build, "
+    "JSON, a job, report or options (.toml), a picture (.png, .exr), a drawing (.svg), a page "
+    "(.html), lines (.obj), a table (.csv), a log, the truth of a cloud (.truth) or what 'slim "
+    "plan' prints";
+
+/// "text that begins 'SLIM turns ...'", or the first bytes of what is none.
+std::string what_it_seems(const std::string& head) {
+    const auto is_text = [](unsigned char c) { return c >= 0x20 || (c >= '\t' && c <= '\r'); };
+    if (std::all_of(head.begin(), head.end(), is_text)) {
+        const std::size_t first = std::min(head.find_first_not_of(" \t\r\n"), head.size());
+        const std::size_t end = head.find_first_of("\r\n", first);
+        return "text that begins '" + head.substr(first, end - first) + "'";
+    }
+    std::string bytes;
+    for (std::size_t i = 0; i < std::min<std::size_t>(head.size(), 8); ++i)
+        bytes += fmt::format(" {:02x}", static_cast<unsigned char>(head[i]));
+    return "bytes of no format that is known, the first" + bytes;
+}
+
+/// A cloud, by whatever name; what is none, and is not named as one, may be anything.
+json cloud_or_unknown(const std::string& path, StageContext& context) {
+    const std::string head = first_bytes(path, 60);
+    try {
+        return cloud_info(path, context);
+    } catch (const FormatError&) {
+        if (head.empty() || is_known_format(path, head)) throw;
+        throw FormatError(Fault{.file = path,
+                                .problem = "is of no kind that is known",
+                                .expected = kKinds,
+                                .found = what_it_seems(head)});
+    }
+}
+
 }  // namespace
 
 json run_info(const InfoConfig& config, StageContext& context) {
@@ -102,9 +138,11 @@ json run_info(const InfoConfig& config, StageContext& context) {
         const fs::path plan = plan_path(config.file),
                        page = fs::path(config.file) / "run.done.json";
         const fs::path inside = fs::exists(plan) ? plan : fs::exists(page) ? page : fs::path();
-        throw ConfigError(fmt::format("{}: is a folder; expected a file{}", config.file,
-                                      inside.empty() ? ": a model, a cloud or a file of a build"
-                                                     : ", such as " + inside.string()));
+        throw ConfigError({.file = config.file,
+                           .problem = "is a folder",
+                           .expected = inside.empty()
+                                           ? "a file: a model, a cloud or a file of a build"
+                                           : "a file, such as " + inside.string()});
     }
     const std::string head = first_bytes(config.file, 8);
     json out;
@@ -119,7 +157,7 @@ json run_info(const InfoConfig& config, StageContext& context) {
     else if (auto other = other_info(config.file))
         out = std::move(*other);
     else
-        out = cloud_info(config.file, context);
+        out = cloud_or_unknown(config.file, context);
     out["file"] = config.file;
     context.text = summary_of(out);
     return out;

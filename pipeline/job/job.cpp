@@ -48,11 +48,13 @@ public:
         override_views(root_, drawing.options);
         read_frame();
         if (n_views == 0)
-            throw ConfigError(file_.string() + ": no [[view]]: there is nothing to draw");
+            throw ConfigError(
+                {.file = file_.string(), .problem = "no [[view]]: there is nothing to draw"});
         if (n_views > 1 && !drawing.picture.empty())
-            throw ConfigError(fmt::format(
-                "{}: its {} views cannot all be {}: expected a folder to write them into",
-                file_.string(), n_views, drawing.picture.string()));
+            throw ConfigError({.file = file_.string(),
+                               .problem = fmt::format("its {} views cannot all be {}", n_views,
+                                                      drawing.picture.string()),
+                               .expected = "a folder to write them into"});
         job_.folder = drawing.folder, job_.stages = drawing.stages;
         read_job_views({file_, root_, output_.aovs, drawing.model, drawing.picture,
                         !drawing.options.empty()},
@@ -94,22 +96,26 @@ private:
     void require_words(const TomlTable& table, const char* key) const {
         for (const TomlValue& value : table.values)
             if (value.key == key && value.kind != Field::Kind::text && value.line > 0)
-                throw ConfigError(fmt::format("{}:{}: {}: expected a string, found {}",
-                                              file_.string(), value.line, key, value.items[0]));
+                throw ConfigError({.file = file_.string(),
+                                   .line = value.line,
+                                   .key = key,
+                                   .expected = "a string",
+                                   .found = value.items[0]});
     }
 
     void read_input() {
         const TomlTable* table = find(root_, "input");
         if (!table)
-            throw ConfigError(fmt::format("{}: no [input]: expected files = [...] or a scan",
-                                          file_.string()));
+            throw ConfigError({.file = file_.string(),
+                               .problem = "no [input]",
+                               .expected = "files = [...] or a scan"});
         check_tables(*table, {"scan"});
         InputTable input;
         apply_table(*table, fields_of(input), file_);
         const TomlTable* scan = find(*table, "scan");
         if (input.files.empty() == (scan == nullptr))
-            throw ConfigError(fmt::format("{}: [input]: expected either files or a scan",
-                                          table_place(file_, *table)));
+            throw ConfigError({.key = "[input]", .expected = "either files or a scan"})
+                .at(toml_fault(file_, table->line));
         for (const std::string& name : input.files) clouds_.push_back(name);
         if (scan) read_scan(*scan);
     }

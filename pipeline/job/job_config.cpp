@@ -22,7 +22,7 @@ void make_absolute(const FieldList& fields) {
         if (!field.is_path() || field.empty()) continue;
         std::vector<std::string> paths = field.items();
         for (std::string& path : paths) path = fs::absolute(path).lexically_normal().string();
-        field.set(paths, field.key);
+        field.set(paths, field.place());
     }
 }
 

@@ -64,32 +64,39 @@ fs::path job_file(const JobSource& source) {
     const fs::path named = source.job;
     const InputKind kind = input_kind(named);
     if (kind == InputKind::model)
-        throw ConfigError(source.job + ": a model, not a job; expected a job file (TOML)");
+        throw ConfigError({.file = source.job,
+                           .problem = "a model, not a job",
+                           .expected = "a job file (TOML)"});
     if (kind == InputKind::cloud)
-        throw ConfigError(fmt::format(
-            "{}: a point cloud, not a job; expected a job file or a ready style before it, "
-            "such as: {} (styles: {})",
-            source.job, shell_line({"slim", "run", "plate", source.job}),
-            fmt::join(style_names(), ", ")));
+        throw ConfigError(
+            {.file = source.job,
+             .problem = "a point cloud, not a job",
+             .expected = fmt::format("a job file or a ready style before it, such as: {}",
+                                     shell_line({"slim", "run", "plate", source.job})),
+             .hint = fmt::format("styles: {}", fmt::join(style_names(), ", "))});
     // A folder of results may have a style's name.
     const bool is_file = fs::exists(named) && !fs::is_directory(named);
     if (is_file || named.has_extension() || named.has_parent_path()) return named;
     if (const fs::path file = style_folder() / (source.job + ".toml"); fs::exists(file)) {
         if (!names_input(source))
-            throw ConfigError(fmt::format(
-                "{0}: a ready style is for clouds that are named after it: slim run {0} "
-                "scan.ply",
-                source.job));
+            throw ConfigError(
+                {.file = source.job,
+                 .problem = fmt::format("a ready style is for clouds that are named after it: "
+                                        "slim run {} scan.ply",
+                                        source.job)});
         return fs::weakly_canonical(file);
     }
     const auto known = style_names();
-    throw ConfigError(
-        known.empty()
-            ? fmt::format("{}: no such job file, and there are no ready styles beside the program: "
-                          "expected them in {} (they are configs/styles of the source)",
-                          source.job, style_folder().string())
-            : fmt::format("{}: no such job file, and no ready style of that name{} (known: {})",
-                          source.job, suggestion(source.job, known), fmt::join(known, ", ")));
+    if (known.empty())
+        throw ConfigError(
+            {.file = source.job,
+             .problem = "no such job file, and there are no ready styles beside the program",
+             .expected = "them in " + style_folder().string(),
+             .hint = "they are configs/styles of the source"});
+    throw ConfigError({.file = source.job,
+                       .problem = "no such job file, and no ready style of that name",
+                       .expected = fmt::format("a file, or one of {}", fmt::join(known, ", ")),
+                       .hint = did_you_mean(source.job, known)});
 }
 
 std::vector<std::string> job_settings(const JobSource& source) {

@@ -22,17 +22,28 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+/// The parts of a fault that a step's own answer has: those that name what it is of.
+Fault fault_in(const json& error) {
+    return {.file = error.value("file", ""),
+            .line = error.value("line", 0),
+            .key = error.value("key", ""),
+            .option = error.value("option", "")};
+}
+
 [[noreturn]] void fail(const JobStep& step, const ChildResult& child) {
     const json answer = json_or_discarded(child.output);
     std::string reason = fmt::format("exit code {}", child.exit_code);
-    if (answer.is_object() && answer.contains("error"))
+    Fault fault;
+    if (answer.is_object() && answer.contains("error")) {
         reason = answer.at("error").value("message", reason);
+        fault = fault_in(answer.at("error"));
+    }
     if (child.exit_code == 137)
         throw ResourceError(step.name + ": ended by the system, which had no memory left");
     const bool known = child.exit_code <= 6 || child.exit_code == 75 || child.exit_code == 130 ||
                        child.exit_code == 143;
     const auto code = known ? static_cast<ExitCode>(child.exit_code) : ExitCode::internal;
-    throw Error(code, fmt::format("{}: {}", step.name, reason));
+    throw StepError(code, step.name, reason, fault);
 }
 
 /// What a manifest says that the work cost; null if it says nothing.

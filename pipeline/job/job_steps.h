@@ -2,10 +2,12 @@
 
 #include "pipeline/job/job.h"
 #include "pipeline/stage.h"
+#include "slim/base/error.h"
 
 #include <nlohmann/json.hpp>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace slim {
@@ -21,8 +23,18 @@ struct StepOutcome {
     std::string run_started = {};  ///< of the run that this is the cost of; empty: not said
 };
 
-/// Runs a step as a child process beside this one, which skips what is up to date. Throws Error
-/// with its exit code and message, the step's name first.
+/// A step that failed: its exit code, what() with the step's name first, and without it.
+struct StepError : Error {
+    StepError(ExitCode code, const std::string& step, std::string its_reason, Fault its_child)
+        : Error(code, step + ": " + its_reason),
+          reason(std::move(its_reason)),
+          child(std::move(its_child)) {}
+    std::string reason;
+    Fault child;  ///< what it is of: file, line, key and option
+};
+
+/// Runs a step as a child process beside this one, which skips what is up to date. Throws
+/// StepError.
 StepOutcome run_step(const JobStep& step, const StageContext& context);
 
 /// Throws IoError for a file that a step reads, that no step makes and that is not there.

@@ -3,6 +3,7 @@
 #include "pipeline/job/job_own_keys.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
+#include "slim/base/nearest_name.h"
 
 #include <fmt/format.h>
 
@@ -21,7 +22,7 @@ const TomlTable* find_table(const TomlTable& in, const std::string& name, const 
     for (const TomlTable& table : in.tables) {
         if (table.name != name) continue;
         if (found)
-            throw ConfigError(fmt::format("{}: a second [{}]", table_place(file, table), name));
+            throw ConfigError("a second [" + name + "]").at(toml_fault(file, table.line));
         found = &table;
     }
     return found;
@@ -31,23 +32,28 @@ void check_tables(const TomlTable& in, const std::vector<std::string>& known,
                   const fs::path& file) {
     for (const TomlTable& table : in.tables)
         if (std::find(known.begin(), known.end(), table.name) == known.end())
-            throw ConfigError(fmt::format("{}: unknown table [{}]{}", table_place(file, table),
-                                          table.name, suggestion(table.name, known)));
+            throw ConfigError({.problem = "unknown table [" + table.name + "]",
+                               .hint = did_you_mean(table.name, known)})
+                .at(toml_fault(file, table.line));
 }
 
 void check_top_keys(const TomlTable& root, const fs::path& file) {
     for (const TomlValue& value : root.values) {
-        const std::string place = toml_place(file, value.line);
+        const Fault place = toml_fault(file, value.line);
         if (value.key != "schema_version")
-            throw ConfigError(fmt::format(
-                "{}: unknown key '{}'{}: keys stand in the tables {}, above them schema_version",
-                place, value.key, suggestion(value.key, {"schema_version"}),
-                fmt::join(kJobTables, ", ")));
+            throw ConfigError(
+                {.problem = fmt::format("unknown key '{}': keys stand in the tables {}, above them "
+                                        "schema_version",
+                                        value.key, fmt::join(kJobTables, ", ")),
+                 .hint = did_you_mean(value.key, {"schema_version"})})
+                .at(place);
         if (value.kind != Field::Kind::integer || value.is_list ||
             value.items != std::vector<std::string>{std::to_string(kJobSchema)})
-            throw ConfigError(fmt::format(
-                "{}: schema_version: this program reads jobs of version {}, found {}", place,
-                kJobSchema, fmt::join(value.items, ", ")));
+            throw ConfigError(
+                {.key = "schema_version",
+                 .problem = fmt::format("this program reads jobs of version {}", kJobSchema),
+                 .found = fmt::format("{}", fmt::join(value.items, ", "))})
+                .at(place);
     }
 }
 
@@ -140,9 +146,11 @@ void append_arguments(JobStep& step, const std::vector<std::string>& arguments) 
 void add_step_output(JobStep& step, const Job& job) {
     for (const JobStep& earlier : job.steps)
         if (earlier.output == step.output)
-            throw ConfigError(
-                fmt::format("{}: {} would write {}, which {} writes: expected different names",
-                            job.file.string(), step.name, step.output.string(), earlier.name));
+            throw ConfigError({.file = job.file.string(),
+                               .problem = fmt::format("{} would write {}, which {} writes",
+                                                      step.name, step.output.string(),
+                                                      earlier.name),
+                               .expected = "different names"});
     step.arguments.push_back("-o");
     step.arguments.push_back(step.output.string());
     step.target = manifest_path(step.output);

@@ -77,7 +77,7 @@ private:
             try {
                 check_lights(kind + words);
             } catch (const ConfigError& error) {
-                throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+                throw error.at(toml_fault(file_, table.line));
             }
             all += (all.empty() ? "" : "; ") + kind + words;
         }
@@ -119,7 +119,7 @@ private:
             check_view_name(view.name);
             check_view_of_fit(view.aovs, render, job_.stages);
         } catch (const ConfigError& error) {
-            throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+            throw error.at(toml_fault(file_, table.line));
         }
         if (!names_.insert(view.name).second) refuse_second(view.name, table);
         check_rays(render, view.aovs, table);
@@ -167,7 +167,7 @@ private:
                 shares_of_view(render, view.aovs, step.output, view.name, division.shares);
             step.division = division.reason;
         } catch (const ConfigError& error) {
-            throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+            throw error.at(toml_fault(file_, table.line));
         }
     }
 
@@ -201,32 +201,34 @@ private:
         for (const OptionUse& use : option_uses())
             if (given.find(use.key)->items() != defaults.find(use.key)->items() &&
                 !taken_.contains(use.key) && (!overridden_ || is_override(use.key)))
-                throw ConfigError(fmt::format("{}: no view takes it: {}", place_of_default(use.key),
-                                              unused_text(use)));
+                throw unused_option(use, place_of_default(use.key),
+                                    is_override(use.key)
+                                        ? fmt::format("no view of {} takes it", file_.string())
+                                        : "no view takes it");
     }
 
     template <class PlaceOf>
     static void check_line_names(const std::vector<std::string>& options, const PlaceOf& place_of) {
         if (const auto wrong = wrong_line_file(options))
-            throw ConfigError(
-                fmt::format("{}: {}: {}", place_of(wrong->key), wrong->key, wrong->reason));
+            throw ConfigError({.key = wrong->key, .problem = wrong->reason})
+                .at(place_of(wrong->key));
     }
 
-    std::string place_of_value(const TomlTable& table, const std::string& key) const {
+    Fault place_of_value(const TomlTable& table, const std::string& key) const {
         for (const TomlValue& value : table.values)
-            if (value.key == key) return toml_place(file_, value.line);
-        return table_place(file_, table);
+            if (value.key == key) return toml_fault(file_, value.line);
+        return toml_fault(file_, table.line);
     }
 
     /// Where [render], or the first [[light]], says it.
-    std::string place_of_default(const std::string& key) const {
+    Fault place_of_default(const std::string& key) const {
         for (const TomlTable& table : root_.tables) {
-            if (table.name == "light" && key == "light") return table_place(file_, table);
+            if (table.name == "light" && key == "light") return toml_fault(file_, table.line);
             if (table.name != "render") continue;
             for (const TomlValue& value : table.values)
-                if (value.key == key) return table_place(file_, {key, value.line, {}, {}});
+                if (value.key == key) return toml_fault(file_, value.line);
         }
-        return file_.string();
+        return {.file = file_.string()};
     }
 
     /// Checks what only rays can do.
@@ -235,22 +237,23 @@ private:
         try {
             check_tracing(render, aovs);
         } catch (const ConfigError& error) {
-            throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+            throw error.at(toml_fault(file_, table.line));
         }
     }
 
     void check_view(const TomlTable& table, RenderConfig& config) const {
         const FieldList fields = fields_of(config);
         for (const TomlValue& value : table.values)
-            if (const Field* field = fields.find(value.key)) field->set(value.items, value.key);
+            if (const Field* field = fields.find(value.key))
+                field->set(items_for(*field, value, file_.parent_path()),
+                           toml_fault(file_, value.line, value.key));
         check_view_keys(config, [&](const char* key, const std::function<void()>& check) {
             for (const TomlValue& value : table.values) {
                 if (value.key != key) continue;
                 try {
                     check();
                 } catch (const ConfigError& error) {
-                    const TomlTable at{key, value.line, {}, {}};
-                    throw ConfigError(fmt::format("{}: {}", table_place(file_, at), error.what()));
+                    throw error.at(toml_fault(file_, value.line));
                 }
             }
         });
@@ -258,7 +261,7 @@ private:
 
     void check_aovs(const std::vector<std::string>& aovs, const TomlTable& table) const {
         RenderConfig render;
-        fields_of(render).find("aov")->set(aovs, table_place(file_, table) + ": aovs");
+        fields_of(render).find("aov")->set(aovs, toml_fault(file_, table.line, "aovs"));
     }
 
     /// Names come from views' tables, or from an option for all of them.
@@ -271,11 +274,11 @@ private:
         const auto named = of_view("name");
         const bool by_name = named != table.values.end();
         const bool by_option = by_name ? named->line == kOnCommandLine : is_override("camera");
-        if (!by_option) throw ConfigError(table_place(file_, table) + ": " + said);
-        throw ConfigError(fmt::format("{}: {}: {}, that of line {}: expected views with names of "
-                                      "their own",
-                                      toml_place(file_, kOnCommandLine),
-                                      by_name ? "name" : "camera", said, table.line));
+        if (!by_option) throw ConfigError(said).at(toml_fault(file_, table.line));
+        Fault fault = toml_fault(file_, kOnCommandLine, by_name ? "name" : "camera");
+        fault.problem = fmt::format("{}, that of line {}", said, table.line);
+        fault.expected = "views with names of their own";
+        throw ConfigError(fault);
     }
 
     /// A view without a name takes its camera's, "view" if that is given by numbers. Options of its
@@ -311,9 +314,10 @@ private:
         }
         if (!other.empty())
             throw ConfigError(
-                fmt::format("{}: view {} would write its lines to {}, which {}: expected a file of "
-                            "its own",
-                            table_place(file_, table), view, file.string(), other));
+                {.problem = fmt::format("view {} would write its lines to {}, which {}", view,
+                                        file.string(), other),
+                 .expected = "a file of its own"})
+                .at(toml_fault(file_, table.line));
         line_files_[path] = view;
     }
 

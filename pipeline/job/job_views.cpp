@@ -57,7 +57,7 @@ std::vector<std::string> options_for(const std::vector<std::string>& aovs,
     for (const OptionUse& use : option_uses()) {
         if (own.contains(use.key) || use.used(config, aovs)) continue;
         take_out(use.key);
-        fields.find(use.key)->set(defaults.find(use.key)->items(), use.key);
+        fields.find(use.key)->set(defaults.find(use.key)->items(), {.key = use.key});
     }
     return options;
 }
@@ -135,20 +135,25 @@ void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig&
             model_remedy(stages, "degree", "3"));
         for (const char* aov : {"e1", "e2", "dk1_dt2", "dk2_dt1"})
             if (contains(aovs, aov))
-                throw ConfigError(fmt::format("aov {} needs {}", aov, reason));
+                throw ConfigError(
+                    {.key = "aov", .problem = fmt::format(" {} needs {}", aov, reason)});
         if (view.lines ==
             std::vector<std::string>{"crest"})  // beside others it is left out with a warning
-            throw ConfigError("lines crest need " + reason);
+            throw ConfigError({.key = "lines", .problem = " crest need " + reason});
     }
     if (stages.sharp == "off" && view.lines == std::vector<std::string>{"crease"})
-        throw ConfigError("lines crease need the sheets of sharp surfels: expected " +
-                          model_remedy(stages, "sharp", "on"));
-    const std::string colors = "a model with colours: expected ";
+        throw ConfigError({.key = "lines",
+                           .problem = " crease need the sheets of sharp surfels",
+                           .expected = model_remedy(stages, "sharp", "on")});
+    const std::string colors = "a model with colours";
     if (contains(aovs, "color") && !stages.color)
-        throw ConfigError("aov color needs " + colors + model_remedy(stages, "color", "true"));
+        throw ConfigError({.key = "aov",
+                           .problem = " color needs " + colors,
+                           .expected = model_remedy(stages, "color", "true")});
     if (tints_shaded(view, aovs) && !stages.color)
-        throw ConfigError("material color=scan needs " + colors +
-                          model_remedy(stages, "color", "true"));
+        throw ConfigError({.key = "material",
+                           .problem = " color=scan needs " + colors,
+                           .expected = model_remedy(stages, "color", "true")});
 }
 
 }  // namespace slim

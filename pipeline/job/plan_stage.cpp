@@ -44,20 +44,24 @@ std::string memory_text(const Job& job) {
 void check_memory(const PlanConfig& config) {
     if (config.memory.empty()) return;
     if (parse_memory_size(config.memory) < kLeastMemory)
-        throw ConfigError(fmt::format("memory: expected at least 64MiB; found {}", config.memory));
+        throw ConfigError(
+            {.key = "memory", .expected = "at least 64MiB", .found = "'" + config.memory + "'"});
     if (config.explain)
-        throw ConfigError(
-            "memory: --explain asks for none; expected --format slurm or snakemake with it");
+        throw ConfigError({.key = "memory",
+                           .problem = "--explain asks for none",
+                           .expected = "--format slurm or snakemake with it"});
     if (config.format == "make" || config.format == "slices")
-        throw ConfigError(
-            "memory: make asks for none; expected --format slurm or snakemake with it");
+        throw ConfigError({.key = "memory",
+                           .problem = "make asks for none",
+                           .expected = "--format slurm or snakemake with it"});
 }
 
 /// Options that were given and play no part.
 void refuse_without_effect(const PlanConfig& config, int threads_given) {
     if (config.explain && config.format != PlanConfig{}.format)
-        throw ConfigError(
-            fmt::format("format: --explain prints none; leave out --format {}", config.format));
+        throw ConfigError({.key = "format",
+                           .problem = "--explain prints none; leave out --format " +
+                                      config.format});
     if (threads_given == 0) return;
     if (config.explain)
         throw ConfigError(

@@ -142,7 +142,9 @@ json compare_pictures(const std::string& first, const std::string& second,
                         "same",
                         first, second));
     if (!difference.empty() && lower_extension(difference) != ".png")
-        throw ConfigError(difference + ": the difference is a PNG; expected a name ending in .png");
+        throw ConfigError({.file = difference,
+                           .problem = "the difference is a PNG",
+                           .expected = "a name ending in .png"});
     PicturePair pair(first, second);
     const Comparison c = compared(pair, threshold);
     const auto width = static_cast<std::size_t>(pair.first().width());

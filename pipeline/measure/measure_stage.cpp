@@ -68,7 +68,9 @@ ProjectedPoint put_on(const Shape& shape, const Vec3d& p, const Vec3d& own_norma
 json against_shape(const MeasureConfig& config, const CloudFiles& files, StageContext& context) {
     const Shape& shape = shape_named(config.model.substr(std::string(kShape).size()), "model");
     if (config.two_way)
-        throw ConfigError("two_way: a shape is measured against one way only; expected a model");
+        throw ConfigError({.key = "two_way",
+                           .problem = "a shape is measured against one way only",
+                           .expected = "a model"});
     const MeasuredSurface surface{{}, shape.bounds.diagonal(), [&shape]() -> PutPoint {
                                       return [&shape](const Vec3d& p, const Vec3d& n, bool) {
                                           return put_on(shape, p, n);
@@ -130,8 +132,9 @@ json recorded(const MeasureConfig& config, const std::string& truth, StageContex
 json measure_points(const MeasureConfig& config, StageContext& context) {
     if (!config.two_way && config.samples != MeasureConfig{}.samples)
         throw ConfigError(
-            "samples are those of the model's surface, which is not measured: expected --two-way "
-            "with it");
+            {.key = "samples",
+             .problem = " are those of the model's surface, which is not measured",
+             .expected = "--two-way with it"});
     check_order(config);
     CloudFiles files{config.cloud, config.truth, config.per_point};
     if (files.truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
@@ -167,11 +170,14 @@ void refuse_without_effect(const MeasureConfig& config, Kind kind) {
         {!pictures && config.threshold != as_before.threshold, "threshold", "two pictures"}};
     for (const Given& g : given)
         if (g.without_effect)
-            throw ConfigError(fmt::format(
-                "{}: is of {}; found {} and {}{}", g.key, g.of, config.model, config.cloud,
-                kind == Kind::meshes ? ": the first has faces, so that the second counts as the "
-                                       "same mesh with its vertices moved"
-                                     : ""));
+            throw ConfigError(
+                {.key = g.key,
+                 .problem = fmt::format("is of {}", g.of),
+                 .found = fmt::format("{} and {}{}", config.model, config.cloud,
+                                      kind == Kind::meshes
+                                          ? ": the first has faces, so that the second counts as "
+                                            "the same mesh with its vertices moved"
+                                          : "")});
 }
 
 /// Names that could not be written, before any work.
@@ -182,15 +188,17 @@ void check_outputs(const MeasureConfig& config, Kind kind) {
     const std::string ending = lower_extension(config.output);
     const bool pictures = kind == Kind::pictures;
     if (!config.output.empty() && ending != ".json" && !(pictures && ending == ".png"))
-        throw ConfigError(fmt::format(
-            "{}: the result is written as JSON{}; expected a name ending in .json{}", config.output,
-            pictures                    ? ", the difference as PNG"
-            : is_picture(config.output) ? ", a picture only of two pictures"
-                                        : "",
-            pictures ? " or .png" : ""));
+        throw ConfigError(
+            {.file = config.output,
+             .problem = fmt::format("the result is written as JSON{}",
+                                    pictures                    ? ", the difference as PNG"
+                                    : is_picture(config.output) ? ", a picture only of two pictures"
+                                                                : ""),
+             .expected = fmt::format("a name ending in .json{}", pictures ? " or .png" : "")});
     if (!config.per_point.empty() && lower_extension(config.per_point) != ".ply")
-        throw ConfigError(config.per_point +
-                          ": the figures of points are a PLY; expected a name ending in .ply");
+        throw ConfigError({.file = config.per_point,
+                           .problem = "the figures of points are a PLY",
+                           .expected = "a name ending in .ply"});
 }
 
 json measure_meshes(const MeasureConfig& config, StageContext& context) {

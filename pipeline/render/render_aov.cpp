@@ -121,8 +121,9 @@ PictureSize part_size(const RenderedFrame& frame, const PictureSize& size) {
 Vec3d shape_offset(const RenderConfig& config) {
     if (config.offset.empty()) return {};
     if (config.offset.size() != 3)
-        throw ConfigError("offset: expected three numbers x,y,z, found " +
-                          std::to_string(config.offset.size()));
+        throw ConfigError({.key = "offset",
+                           .expected = "three numbers x,y,z",
+                           .found = std::to_string(config.offset.size())});
     return {config.offset[0], config.offset[1], config.offset[2]};
 }
 

@@ -110,12 +110,21 @@ std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int 
     return out;
 }
 
+namespace {
+
+constexpr const char* kNoColors =
+    "the model has no colours: build it with --color, from a PLY with red, green and blue";
+
+}  // namespace
+
 std::vector<std::string> wanted_aovs(const RenderConfig& config) {
     const std::vector<std::string> aovs = written_out(config.aov);
-    if (aovs.empty()) throw ConfigError("aov: expected at least one");
+    if (aovs.empty()) throw ConfigError({.key = "aov", .expected = "at least one"});
     const bool truth = std::find(aovs.begin(), aovs.end(), "truth_distance") != aovs.end();
     if (truth && config.truth_shape.empty())
-        throw ConfigError("aov truth_distance needs a shape to measure against: --truth-shape");
+        throw ConfigError(
+            {.key = "aov",
+             .problem = " truth_distance needs a shape to measure against: --truth-shape"});
     return aovs;
 }
 
@@ -123,21 +132,19 @@ void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
                         std::vector<std::string>& aovs) {
     if (!has_colors && std::find(config.aov.begin(), config.aov.end(), "color") != config.aov.end())
         throw ConfigError(
-            config.model +
-            ": aov color: the model has no colours: build it with --color, from a PLY "
-            "with red, green and blue");
+            {.file = config.model, .problem = std::string("aov color: ") + kNoColors});
     if (!has_colors && tints_shaded(config, aovs))
-        throw ConfigError(config.model +
-                          ": material color=scan: the model has no colours: build it with --color, "
-                          "from a PLY with red, green and blue");
+        throw ConfigError(
+            {.file = config.model, .problem = std::string("material color=scan: ") + kNoColors});
     // Those of a model are by its own surfels, which further models do not have.
     if (!has_colors || !config.add.empty()) std::erase(aovs, "color");
     if (degree >= 3) return;
     for (const std::string& aov : config.aov)
         if (aov != "all" && is_third_order(aov))
-            throw ConfigError(config.model + ": aov " + aov +
-                              " needs third derivatives, which a model of degree " +
-                              std::to_string(degree) + " does not have: build it with --degree 3");
+            throw ConfigError(
+                {.file = config.model,
+                 .problem = "aov " + aov + " needs third derivatives, which a model of degree " +
+                            std::to_string(degree) + " does not have: build it with --degree 3"});
     std::erase_if(aovs, is_third_order);
 }
 

@@ -29,12 +29,15 @@ RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
     if (const std::size_t at = text.find("zoom"); at != std::string::npos) {
         const std::vector<double> zoom = parse_numbers(text.substr(at + 4));
         if (zoom.size() != 1 || !(zoom[0] > 0))
-            throw ConfigError("path: expected a number > 0 after zoom, found \"" + text + "\"");
+            throw ConfigError({.key = "path",
+                               .expected = "a number > 0 after zoom",
+                               .found = "'" + text + "'"});
         key.zoom = zoom[0];
         text.resize(at);
     }
     const std::size_t first = text.find_first_not_of(' '), last = text.find_last_not_of(' ');
-    if (first == std::string::npos) throw ConfigError("path: a keyframe without a camera");
+    if (first == std::string::npos)
+        throw ConfigError({.key = "path", .problem = "a keyframe without a camera"});
     key.camera = text.substr(first, last - first + 1);
     return key;
 }
@@ -47,10 +50,12 @@ std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model
         try {
             keys.push_back(make_camera(frame, model, size, room));
         } catch (const ConfigError& error) {  // said of --camera, which is not given
-            const std::string text = error.what(), blamed = "camera: ";
-            throw ConfigError(
-                fmt::format("path: keyframe {} \"{}\": {}", keys.size() + 1, frame.camera,
-                            text.starts_with(blamed) ? text.substr(blamed.size()) : text));
+            Fault fault = error.fault();
+            std::string text = fmt::format("keyframe {} \"{}\"", keys.size() + 1, frame.camera);
+            if (fault.key != "camera") text += ": " + quoted_key(fault.key);
+            if (!fault.problem.empty()) text += ": " + fault.problem;
+            fault.key = "path", fault.problem = text;
+            throw ConfigError(fault);
         }
     }
     return keys;
@@ -68,18 +73,24 @@ std::vector<std::string> cameras_of(const RenderConfig& config) {
 
 int n_frames(const RenderConfig& config) {
     if (config.turntable > 0 && !config.path.empty())
-        throw ConfigError("turntable and " + quoted_key("path") +
-                          " both move the camera: give one");
+        throw ConfigError(
+            {.key = "turntable",
+             .problem = " and " + quoted_key("path") + " both move the camera: give one"});
     if (config.path.empty() != (config.frames == 0))
-        throw ConfigError(config.path.empty()
-                              ? "frames is for a " + quoted_key("path") + ", which is not given"
-                              : "path: say how many pictures with " + quoted_key("frames"));
+        throw config.path.empty()
+            ? ConfigError({.key = "frames",
+                           .problem = " is for a " + quoted_key("path") + ", which is not given"})
+            : ConfigError({.key = "path",
+                           .problem = "say how many pictures with " + quoted_key("frames")});
     const int n = config.turntable > 0 ? config.turntable : config.path.empty() ? 1 : config.frames;
     const bool film = config.turntable > 0 || !config.path.empty();
     if (config.frame > (film ? n : 0))
-        throw ConfigError(film ? fmt::format("frame: expected 1 to {}, found {}", n, config.frame)
-                               : "frame is for a " + quoted_key("turntable") + " or a " +
-                                     quoted_key("path") + ", which are not given");
+        throw film ? ConfigError({.key = "frame",
+                                  .expected = fmt::format("1 to {}", n),
+                                  .found = std::to_string(config.frame)})
+                   : ConfigError({.key = "frame",
+                                  .problem = " is for a " + quoted_key("turntable") + " or a " +
+                                             quoted_key("path") + ", which are not given"});
     return n;
 }
 

@@ -82,7 +82,7 @@ private:
                    "draws the views of a job file (or ready style) of this model, with its "
                    "[render], lights and materials, into the folder, or the file if there is one "
                    "view; other options win over the job's, for every view, and so do the keys of "
-                   "a --config, of a whole one, as printed, those not as by default");
+                   "a --config, of a printed one, which names most keys, those not as by default");
         field("size", size, "picture in pixels, WIDTHxHEIGHT");
         field("camera", camera,
               "front, back, left, right, top, bottom, iso, or nine numbers "

@@ -3,6 +3,7 @@
 #include "formats/extension.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
+#include "pipeline/option_names.h"
 #include "pipeline/render/render_directions.h"
 #include "pipeline/shell_word.h"
 #include "pipeline/version.h"
@@ -31,10 +32,15 @@ bool wants_exr(const RenderConfig& config, const fs::path& output, bool folder) 
     if (folder) return config.format == "exr";
     const std::string extension = lower_extension(output);
     if (extension != ".png" && extension != ".exr")
-        throw ConfigError("output " + config.output + ": expected .png, .exr or a folder, found " +
-                          output.extension().string());
+        throw ConfigError({.key = "output",
+                           .problem = " " + config.output,
+                           .expected = ".png, .exr or a folder",
+                           .found = output.extension().string()});
     if (config.format != "auto" && "." + config.format != extension)
-        throw ConfigError("output " + config.output + " contradicts format " + config.format);
+        throw ConfigError(
+            {.key = "output",
+             .problem = " " + config.output + " contradicts " + quoted_key("format") + " " +
+                        config.format});
     return extension == ".exr";
 }
 

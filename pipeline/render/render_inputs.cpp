@@ -25,8 +25,9 @@ void check_folder(const fs::path& folder, const std::string& output) {
         above = above.parent_path();
     // Below a file nothing is found; the file itself is.
     if (above.empty() || fs::is_directory(above, none)) return;
-    throw IoError(fmt::format("{}: {} is no folder; expected one, or a name that is free",
-                              output, above.string()),
+    throw IoError({.file = output,
+                   .problem = above.string() + " is no folder",
+                   .expected = "one, or a name that is free"},
                   ExitCode::usage);
 }
 
@@ -41,7 +42,8 @@ int check_request(const RenderConfig& config, const std::vector<std::string>& ao
     const int frames = n_frames(config);
     if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
         throw ConfigError(
-            "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
+            {.key = config.lines_ply.empty() ? "lines_obj" : "lines_ply",
+             .problem = " is for one picture, not for a turntable or path"});
     const OutputPlan pictures = plan_outputs(config, aovs);
     for (int k = 0; k <= (frames > 1 ? frames : 0); ++k)
         check_outputs(config, k > 0 ? pictures.numbered(k) : pictures);

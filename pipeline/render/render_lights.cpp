@@ -157,8 +157,9 @@ LightSource read_light(WordList& words, const LightSetting& setting) {
     if (kind == "rect") return read_placed(words, setting, LightKind::rectangle);
     if (kind == "disc") return read_placed(words, setting, LightKind::disc);
     const std::vector<std::string> kinds{"key", "fill", "sun", "point", "spot", "rect", "disc"};
-    words.fail(fmt::format("expected a kind of light first ({}), found '{}'{}",
-                           fmt::join(kinds, ", "), kind, suggestion(kind, kinds)));
+    words.fail({.expected = fmt::format("a kind of light first ({})", fmt::join(kinds, ", ")),
+                .found = "'" + kind + "'",
+                .hint = did_you_mean(kind, kinds)});
 }
 
 }  // namespace
@@ -184,7 +185,7 @@ std::vector<Material> parse_materials(const std::string& text) {
         WordList words("material", description, false);
         Material m;
         m.of_scan = words.takes("color", "scan");
-        m.albedo = m.of_scan ? Vec3f{1, 1, 1} : words.color("color", m.albedo);
+        m.albedo = m.of_scan ? Vec3f{1, 1, 1} : words.color("color", m.albedo, "scan");
         m.specular = static_cast<float>(words.number("specular", m.specular, 0, 1));
         m.shininess = static_cast<int>(words.number("shininess", m.shininess, 1, 10000));
         m.mirror = static_cast<float>(words.number("mirror", m.mirror, 0, 1));

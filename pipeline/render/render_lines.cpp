@@ -38,7 +38,8 @@ std::string what_lacks(LineKind kind, const std::string& name, int degree) {
 void check_line_file(const std::string& path, const char* extension, const RenderConfig& config) {
     if (path.empty()) return;
     if (lower_extension(path) != extension)
-        throw ConfigError(path + ": expected a name ending in " + extension);
+        throw ConfigError(
+            {.file = path, .expected = std::string("a name ending in ") + extension});
     refuse_to_overwrite(path, {config.model});
 }
 

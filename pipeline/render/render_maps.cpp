@@ -3,6 +3,7 @@
 #include "pipeline/render/render_asked.h"
 #include "raytrace/camera.h"
 #include "slim/base/error.h"
+#include "slim/base/nearest_name.h"
 
 #include <fmt/format.h>
 
@@ -126,10 +127,18 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 [[noreturn]] void bad_range(const std::string& entry) {
+    static const std::vector<std::string> kMaps{
+        "mean", "gauss", "k1", "k2", "e1", "e2", "dk1_dt2", "dk2_dt1", "depth", "error",
+        "coverage", "truth_distance"};
+    const std::string aov = entry.substr(0, entry.find('='));
     throw ConfigError(
-        "range: expected A > 0, AOV=A or AOV=LO:HI with LO < HI for one of mean, gauss, "
-        "k1, k2, e1, e2, dk1_dt2, dk2_dt1, depth, error, coverage, truth_distance; found \"" +
-        entry + "\"");
+        {.key = "range",
+         .expected = fmt::format("A > 0, AOV=A or AOV=LO:HI with LO < HI for one of {}",
+                                 fmt::join(kMaps, ", ")),
+         .found = "'" + entry + "'",
+         .hint = entry == aov || std::find(kMaps.begin(), kMaps.end(), aov) != kMaps.end()
+                     ? ""
+                     : did_you_mean(aov, kMaps)});
 }
 
 ValueRange parse_range(const std::string& entry, std::string_view value, bool is_signed) {
@@ -168,10 +177,11 @@ const MapSpec* map_spec(const std::string& aov) {
 void check_ranges(const RenderConfig& config) {
     for (const std::string& camera : config.same_range)
         if (!is_camera_name(camera))
-            throw ConfigError(fmt::format(
-                "same_range: expected named cameras (front, back, left, right, top, bottom, "
-                "iso), found \"{}\"",
-                camera));
+            throw ConfigError({.key = "same_range",
+                               .expected = fmt::format("named cameras ({})",
+                                                       fmt::join(camera_names(), ", ")),
+                               .found = "'" + camera + "'",
+                               .hint = did_you_mean(camera, camera_names())});
     for (const std::string& entry : config.range) {
         const std::size_t equals = entry.find('=');
         const std::string aov = equals == std::string::npos ? "mean" : entry.substr(0, equals);

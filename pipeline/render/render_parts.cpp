@@ -38,18 +38,21 @@ PixelWindow parse_crop(const std::string& text, const PictureSize& size) {
     if (n.empty() || n[0] < 0 || n[1] < 0 || n[2] < 1 || n[3] < 1 || n[2] > size.width - n[0] ||
         n[3] > size.height - n[1])
         throw ConfigError(
-            fmt::format("crop: expected x,y,w,h inside the picture of {}x{}, found \"{}\"",
-                        size.width, size.height, text));
+            {.key = "crop",
+             .expected =
+                 fmt::format("x,y,w,h inside the picture of {}x{}", size.width, size.height),
+             .found = "'" + text + "'"});
     return {n[0], n[1], n[2], n[3]};
 }
 
 PixelWindow parse_tile(const std::string& text, const PictureSize& size) {
     const std::vector<int> n = whole_numbers(text, '/', 2);
     if (n.empty() || n[1] < 1 || n[0] < 1 || n[0] > n[1] || n[1] > size.height)
-        throw ConfigError(fmt::format(
-            "tile: expected i/n with i from 1 to n, n at most the picture's {} rows, found "
-            "\"{}\"",
-            size.height, text));
+        throw ConfigError(
+            {.key = "tile",
+             .expected = fmt::format("i/n with i from 1 to n, n at most the picture's {} rows",
+                                     size.height),
+             .found = "'" + text + "'"});
     const auto row = [&](int i) {
         return static_cast<int>(static_cast<std::int64_t>(size.height) * i / n[1]);
     };
@@ -61,8 +64,9 @@ PixelWindow parse_tile(const std::string& text, const PictureSize& size) {
 PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size) {
     if (config.crop.empty() && config.tile.empty()) return {0, 0, size.width, size.height};
     if (!config.crop.empty() && !config.tile.empty())
-        throw ConfigError("crop and " + quoted_key("tile") +
-                          " both say what part to draw: give one");
+        throw ConfigError(
+            {.key = "crop",
+             .problem = " and " + quoted_key("tile") + " both say what part to draw: give one"});
     return config.crop.empty() ? parse_tile(config.tile, size) : parse_crop(config.crop, size);
 }
 

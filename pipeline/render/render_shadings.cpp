@@ -7,6 +7,7 @@
 #include "pipeline/render/render_contours.h"
 #include "raytrace/stripes.h"
 #include "slim/base/error.h"
+#include "slim/base/nearest_name.h"
 #include "slim/base/parallel.h"
 
 #include <fmt/format.h>
@@ -31,8 +32,10 @@ std::optional<double> fixed_spacing(const RenderConfig& config) {
     if (error == std::errc() && rest == end && value > 0 && std::isnormal(value)) return value;
     // Smaller ones are denormal: heights over them are infinite.
     throw ConfigError(
-        "contours: expected auto, none or a spacing above 0 in model units (2.3e-308 at least), "
-        "found \"" + config.contours + "\"");
+        {.key = "contours",
+         .expected = "auto, none or a spacing above 0 in model units (2.3e-308 at least)",
+         .found = "'" + config.contours + "'",
+         .hint = did_you_mean(config.contours, {"auto", "none"})});
 }
 
 std::array<Vec3f, 3> float_axes(const std::array<Vec3d, 3>& axes) {
@@ -92,9 +95,9 @@ void check_shadings(const RenderConfig& config) {
     if (config.sun.size() != 2 || !(config.sun[1] >= 0 && config.sun[1] <= 90) ||
         !std::isfinite(config.sun[0]))
         throw ConfigError(
-            fmt::format("sun: expected two angles in degrees, azimuth,altitude with an altitude "
-                        "from 0 to 90; found {}",
-                        fmt::join(config.sun, ",")));
+            {.key = "sun",
+             .expected = "two angles in degrees, azimuth,altitude with an altitude from 0 to 90",
+             .found = fmt::format("{}", fmt::join(config.sun, ","))});
 }
 
 ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::string>& aovs,

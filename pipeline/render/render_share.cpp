@@ -22,18 +22,21 @@ void require_whole(const RenderConfig& config, const char* key) {
         {"share and join", !config.share.empty() && config.join > 0}};
     for (const auto& [other, given] : others)
         if (given)
-            throw ConfigError(fmt::format("{}: shares are of the whole: {}", key,
-                                          other == std::string("share and join")
-                                              ? "give share or join, not both"
-                                              : fmt::format("leave out {}", other)));
+            throw ConfigError({.key = key,
+                               .problem = std::string("shares are of the whole: ") +
+                                          (other == std::string("share and join")
+                                               ? "give share or join, not both"
+                                               : fmt::format("leave out {}", other))});
 }
 
 /// As many shares as there are pictures of a film, rows of a picture.
 void require_enough(const RenderConfig& config, const char* key, int n) {
     const int most = is_film(config) ? n_frames(config) : parse_size(config.size).height;
     if (n > most)
-        throw ConfigError(fmt::format("{}: expected at most {} shares, one for each {}, found {}",
-                                      key, most, is_film(config) ? "picture" : "row", n));
+        throw ConfigError({.key = key,
+                           .expected = fmt::format("at most {} shares, one for each {}", most,
+                                                   is_film(config) ? "picture" : "row"),
+                           .found = std::to_string(n)});
 }
 
 int whole_number(const std::string& text) {
@@ -55,8 +58,9 @@ RenderShare share_of(const RenderConfig& config) {
         share = {whole_number(config.share.substr(0, slash)),
                  whole_number(config.share.substr(slash + 1))};
     if (share.number < 1 || share.number > share.of)
-        throw ConfigError(
-            fmt::format("share: expected i/n with i from 1 to n, found \"{}\"", config.share));
+        throw ConfigError({.key = "share",
+                           .expected = "i/n with i from 1 to n",
+                           .found = "'" + config.share + "'"});
     require_enough(config, "share", share.of);
     return share;
 }

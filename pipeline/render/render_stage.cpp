@@ -104,7 +104,8 @@ void require_surfels(const RenderConfig& config, const SurfelTree& tree) {
 void require_scale(const RenderJob& job) {
     if (job.config.scale_bar && !job.camera.orthographic)
         throw ConfigError(
-            "scale_bar: a perspective picture has no one scale: draw it with --ortho");
+            {.key = "scale_bar",
+             .problem = "a perspective picture has no one scale: draw it with --ortho"});
 }
 
 /// Curvature comes from the surfels' second derivatives, which planes do not have.

@@ -221,8 +221,12 @@ bool frames_by_name(const RenderConfig& config) {
 
 std::span<const OptionUse> option_uses() { return kUses; }
 
-std::string unused_text(const OptionUse& use) {
-    return fmt::format("{} is for {}, which is not asked for{}", use.key, use.what, use.remedy);
+ConfigError unused_option(const OptionUse& use, const Fault& place, const std::string& hint) {
+    Fault fault = place;
+    fault.key = use.key;
+    fault.problem = fmt::format(" is for {}, which is not asked for{}", use.what, use.remedy);
+    fault.hint = hint;
+    return ConfigError(fault);
 }
 
 void refuse_unused(const RenderConfig& config, const std::vector<std::string>& aovs) {
@@ -231,7 +235,7 @@ void refuse_unused(const RenderConfig& config, const std::vector<std::string>& a
     for (const OptionUse& use : kUses)
         if (fields.find(use.key)->items() != defaults.find(use.key)->items() &&
             !use.used(config, aovs))
-            throw ConfigError(unused_text(use));
+            throw unused_option(use);
 }
 
 }  // namespace slim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pipeline/render/render_config.h"
+#include "slim/base/error.h"
 
 #include <span>
 #include <string>
@@ -37,6 +38,7 @@ std::span<const OptionUse> option_uses();
 void refuse_unused(const RenderConfig& config, const std::vector<std::string>& aovs);
 
 /// "ao_samples is for ambient occlusion, which is not asked for: --ao or --aov ao".
-std::string unused_text(const OptionUse& use);
+ConfigError unused_option(const OptionUse& use, const Fault& place = {},
+                          const std::string& hint = {});
 
 }  // namespace slim

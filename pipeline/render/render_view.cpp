@@ -2,6 +2,7 @@
 
 #include "raytrace/scale_bar.h"
 #include "slim/base/error.h"
+#include "slim/base/nearest_name.h"
 
 #include <fmt/format.h>
 
@@ -99,8 +100,9 @@ PictureSize parse_size(const std::string& text) {
             size.width <= kLargestSide && size.height <= kLargestSide)
             return size;
     }
-    throw ConfigError(fmt::format("size: expected WIDTHxHEIGHT, each 1 to {}, found \"{}\"",
-                                  kLargestSide, text));
+    throw ConfigError({.key = "size",
+                       .expected = fmt::format("WIDTHxHEIGHT, each 1 to {}", kLargestSide),
+                       .found = "'" + text + "'"});
 }
 
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
@@ -128,11 +130,15 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     } else {
         const std::vector<double> numbers = parse_numbers(config.camera);
         if (numbers.size() != 9 && numbers.size() != 6)
-            throw ConfigError(fmt::format(
-                "camera: expected front, back, left, right, top, bottom, iso or nine numbers "
-                "ex,ey,ez,tx,ty,tz,ux,uy,uz (six: the up axis of --up), found \"{}\"{}",
-                config.camera,
-                config.camera.find("zoom") == std::string::npos ? "" : "; --zoom 2 enlarges"));
+            throw ConfigError({.key = "camera",
+                               .expected = fmt::format(
+                                   "{} or nine numbers ex,ey,ez,tx,ty,tz,ux,uy,uz (six: the up "
+                                   "axis of --up)",
+                                   fmt::join(camera_names(), ", ")),
+                               .found = "'" + config.camera + "'",
+                               .hint = config.camera.find("zoom") == std::string::npos
+                                           ? did_you_mean(config.camera, camera_names())
+                                           : "--zoom 2 enlarges"});
         camera = camera_of_numbers(numbers, config, model.origin);
         camera.orthographic = orthographic;
         camera.width *= aspect;
@@ -140,8 +146,9 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     if (config.ortho_width > 0) {
         constexpr double kNarrowest = 1e-90;  // a picture's, however it is zoomed
         if (config.ortho_width < kNarrowest)
-            throw ConfigError(fmt::format("ortho_width: expected 0, or {} and more; found {}",
-                                          kNarrowest, config.ortho_width));
+            throw ConfigError({.key = "ortho_width",
+                               .expected = fmt::format("0, or {} and more", kNarrowest),
+                               .found = fmt::format("{}", config.ortho_width)});
         camera.width = config.ortho_width;
     }
     camera.width /= config.zoom;
@@ -173,10 +180,10 @@ bool is_folder_output(const std::filesystem::path& output) {
 
 void check_view_name(const std::string& name) {
     if (name.find('/') != std::string::npos)
-        throw ConfigError(
-            fmt::format("name: expected a name without '/', which begins those of the pictures in "
-                        "the output folder; found \"{}\"",
-                        name));
+        throw ConfigError({.key = "name",
+                           .expected = "a name without '/', which begins those of the pictures in "
+                                       "the output folder",
+                           .found = "'" + name + "'"});
 }
 
 std::string describe(const Camera& camera, const Vec3d& origin) {
@@ -202,6 +209,12 @@ ShadeView shade_view(const Camera& camera, const PictureSize& size, int first_x,
             size.height};
 }
 
+namespace {
+
+const std::vector<std::string> kBackgrounds{"auto", "white", "black", "gradient", "transparent"};
+
+}  // namespace
+
 Background parse_background(const std::string& text, bool is_map) {
     if (text == "auto") return is_map ? solid({1, 1, 1}) : gradient();
     if (text == "white") return solid({1, 1, 1});
@@ -213,8 +226,12 @@ Background parse_background(const std::string& text, bool is_map) {
     const auto bottom =
         comma == std::string::npos ? top : parse_color(std::string_view(text).substr(comma + 1));
     if (top && bottom) return {*top, *bottom, 1};
-    throw ConfigError("background: expected auto, white, black, gradient, transparent, #rrggbb or "
-                      "#rrggbb,#rrggbb (top, bottom), found \"" + text + "\"");
+    throw ConfigError(
+        {.key = "background",
+         .expected = fmt::format("{}, #rrggbb or #rrggbb,#rrggbb (top, bottom)",
+                                 fmt::join(kBackgrounds, ", ")),
+         .found = "'" + text + "'",
+         .hint = did_you_mean(text, kBackgrounds)});
 }
 
 }  // namespace slim

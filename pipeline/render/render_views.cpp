@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <string_view>
 
 namespace slim {
 namespace {
@@ -67,22 +66,16 @@ void check_output(const RenderConfig& config) {
     check_folder(is_folder_output(config.output) ? output : output.parent_path(), config.output);
 }
 
-/// Whether a message begins with an option that was given, or with its key or file.
-bool is_of_given(const std::string& message, const RenderConfig& config,
-                 const StageContext& context) {
+/// Whether an option that was given, or its file, is at fault.
+bool is_of_given(const Fault& fault, const RenderConfig& config, const StageContext& context) {
     RenderConfig copy = config;
     const FieldList fields = fields_of(copy);
-    const auto begins_with = [&](const std::string& word) {
-        return message.starts_with(word) &&
-               message.find_first_of(": ", word.size()) == word.size();
-    };
     for (const Field& field : fields.fields()) {
         if (!contains(context.given, field.key) || field.is_word()) continue;
-        if (begins_with(field.option()) || begins_with(field.key)) return true;
-        if (!field.is_path()) continue;
+        if (fault.key == field.key) return true;
+        if (!field.is_path() || fault.file.empty()) continue;
         for (const std::string& path : field.items())
-            if (!path.empty() && (begins_with(path) || begins_with(fs::absolute(path).string())))
-                return true;
+            if (path == fault.file || fs::absolute(path) == fs::absolute(fault.file)) return true;
     }
     return false;
 }
@@ -90,37 +83,32 @@ bool is_of_given(const std::string& message, const RenderConfig& config,
 /// Runs a view; what it fails with says where the job asks for it, or which option does.
 StepOutcome drawn(const JobStep& step, const Job& job, const RenderConfig& config,
                   const StageContext& context) {
+    const std::string place = toml_place(job.file, step.line);
     try {
         return run_step(step, context);
     } catch (const Interrupted&) {
         throw;
+    } catch (const StepError& error) {
+        if (!is_of_given(error.child, config, context))
+            throw Error(error.code(), place + ": " + error.what());
+        throw Error(error.code(), fmt::format("{} ({}, {})", error.reason, step.name, place));
     } catch (const Error& error) {
-        const std::string what = error.what(), name = step.name + ": ";
-        const std::string reason = what.starts_with(name) ? what.substr(name.size()) : what;
-        const std::string place = toml_place(job.file, step.line);
-        if (!is_of_given(reason, config, context)) throw Error(error.code(), place + ": " + what);
-        throw Error(error.code(), fmt::format("{} ({}, {})", reason, step.name, place));
+        throw Error(error.code(), place + ": " + error.what());
     }
 }
 
 /// What reading the job says without its place if that is the command line, or a table that an
 /// option has changed: the option's name then begins it.
-std::string of_option(const std::string& what, const fs::path& file, const RenderConfig& config,
+ConfigError of_option(const ConfigError& error, const fs::path& file, const RenderConfig& config,
                       const StageContext& context) {
-    constexpr std::string_view kIdle = "no view takes it: ";
-    const std::string said_there = toml_place(file, kOnCommandLine) + ": ";
-    if (what.starts_with(said_there)) {
-        const std::string said = what.substr(said_there.size());
-        if (!said.starts_with(kIdle)) return said;
-        return fmt::format("{} (no view of {} takes it)", said.substr(kIdle.size()), file.string());
-    }
-    const std::size_t line = file.string().size() + 1, end = what.find(": ", line);
-    if (!what.starts_with(file.string() + ":") || end == std::string::npos || what[line] == ' ')
-        return what;
-    const std::string said = what.substr(end + 2);
-    return is_of_given(said, config, context)
-               ? fmt::format("{} ({})", said, what.substr(0, end))
-               : what;
+    Fault fault = error.fault();
+    const bool said_here = !fault.said_by.empty();
+    const bool is_changed = said_here || is_of_given({.key = fault.key}, config, context);
+    if (fault.file != file.string() || !is_changed) return error;
+    const std::string place = toml_place(file, fault.line);
+    if (!said_here) fault.hint += (fault.hint.empty() ? "" : "; ") + place;
+    fault.file.clear(), fault.said_by.clear(), fault.line = 0;
+    return ConfigError(fault);
 }
 
 Job drawing_of(const RenderConfig& config, const StageContext& context) {
@@ -135,7 +123,7 @@ Job drawing_of(const RenderConfig& config, const StageContext& context) {
     try {
         return read_drawing(file, drawing);
     } catch (const ConfigError& error) {
-        throw ConfigError(of_option(error.what(), file, config, context));
+        throw of_option(error, file, config, context);
     }
 }
 

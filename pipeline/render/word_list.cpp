@@ -24,20 +24,25 @@ std::vector<std::string> split_descriptions(const std::string& text) {
 }
 
 WordList::WordList(std::string where, const std::string& text, bool has_kind)
-    : where_(std::move(where) + " \"" + text + "\"") {
+    : where_(std::move(where)), text_(text) {
     std::stringstream in(text);
     if (has_kind) in >> kind_;
     for (std::string word; in >> word;) {
         const std::size_t equals = word.find('=');
         if (equals == std::string::npos || equals == 0)
-            fail(fmt::format("expected key=value, found \"{}\"", word));
+            fail({.expected = "key=value", .found = "'" + word + "'"});
         if (has(word.substr(0, equals)))
             fail(fmt::format("{} is given twice", word.substr(0, equals)));
         words_.emplace_back(word.substr(0, equals), word.substr(equals + 1));
     }
 }
 
-void WordList::fail(const std::string& why) const { throw ConfigError(where_ + ": " + why); }
+void WordList::fail(Fault fault) const {
+    fault.key = where_;
+    fault.problem =
+        fmt::format(" \"{}\"{}{}", text_, fault.problem.empty() ? "" : ": ", fault.problem);
+    throw ConfigError(fault);
+}
 
 bool WordList::has(std::string_view key) const {
     return std::any_of(words_.begin(), words_.end(),
@@ -68,19 +73,21 @@ std::vector<double> WordList::numbers(const char* key, std::size_t n,
     const bool finite = std::all_of(numbers.begin(), numbers.end(),
                                     [](double v) { return std::isfinite(v); });
     if (numbers.size() != n || !finite)
-        fail(fmt::format("{}: expected {} number{}{}, found \"{}\"", key, n, n == 1 ? "" : "s",
-                         n == 3   ? " x,y,z"
-                         : n == 2 ? " a,b"
-                                  : "",
-                         value));
+        fail({.problem = key,
+              .expected = fmt::format("{} number{}{}", n, n == 1 ? "" : "s",
+                                      n == 3   ? " x,y,z"
+                                      : n == 2 ? " a,b"
+                                               : ""),
+              .found = "'" + value + "'"});
     return numbers;
 }
 
 double WordList::number(const char* key, double otherwise, double min, double max) {
     const double value = numbers(key, 1, {otherwise})[0];
     if (!(value >= min && value <= max))
-        fail(
-            fmt::format("{}: expected a number in [{:g}, {:g}], found {:g}", key, min, max, value));
+        fail({.problem = key,
+              .expected = fmt::format("a number in [{:g}, {:g}]", min, max),
+              .found = fmt::format("{:g}", value)});
     return value;
 }
 
@@ -93,22 +100,30 @@ bool WordList::on_off(const char* key, bool otherwise) {
     const std::string value = text(key, otherwise ? "on" : "off");
     if (value == "on" || value == "true") return true;
     if (value == "off" || value == "false") return false;
-    fail(fmt::format("{}: expected on or off, found \"{}\"", key, value));
+    fail({.problem = key,
+          .expected = "on or off",
+          .found = "'" + value + "'",
+          .hint = did_you_mean(value, {"on", "off"})});
 }
 
-Vec3f WordList::color(const char* key, const Vec3f& otherwise) {
+Vec3f WordList::color(const char* key, const Vec3f& otherwise, const std::string& word) {
     const std::string value = text(key, "");
     if (value.empty()) return otherwise;
     const auto color = parse_color(value);
-    if (!color) fail(fmt::format("{}: expected #rrggbb, found \"{}\"", key, value));
+    if (!color)
+        fail({.problem = key,
+              .expected = word.empty() ? "#rrggbb" : "#rrggbb or " + word,
+              .found = "'" + value + "'",
+              .hint = word.empty() ? "" : did_you_mean(value, {word})});
     return *color;
 }
 
 void WordList::finish() const {
     if (words_.empty()) return;
     const std::string& key = words_.front().first;
-    fail(fmt::format("unknown key '{}'{}: expected {}", key, suggestion(key, known_),
-                     fmt::join(known_, ", ")));
+    fail({.problem = "unknown key '" + key + "'",
+          .expected = fmt::format("{}", fmt::join(known_, ", ")),
+          .hint = did_you_mean(key, known_)});
 }
 
 }  // namespace slim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/base/error.h"
 #include "slim/base/vec.h"
 
 #include <string>
@@ -23,17 +24,20 @@ public:
     bool takes(const char* key, std::string_view value);
     double number(const char* key, double otherwise, double min, double max);
     bool on_off(const char* key, bool otherwise);
-    Vec3f color(const char* key, const Vec3f& otherwise);
+    /// `word`: what else the key may be, which takes() took; for the message.
+    Vec3f color(const char* key, const Vec3f& otherwise, const std::string& word = {});
     /// So many numbers; "a,b".
     std::vector<double> numbers(const char* key, std::size_t n, std::vector<double> otherwise);
     Vec3d vector(const char* key, const Vec3d& otherwise);
     /// Nothing is left; `known` are the keys there are.
     void finish() const;
 
-    [[noreturn]] void fail(const std::string& why) const;
+    [[noreturn]] void fail(const std::string& why) const { fail(Fault{.problem = why}); }
+    /// The option is its key, the description begins its problem.
+    [[noreturn]] void fail(Fault fault) const;
 
 private:
-    std::string where_, kind_;
+    std::string where_, text_, kind_;
     std::vector<std::pair<std::string, std::string>> words_;
     std::vector<std::string> known_;
 };

@@ -124,7 +124,8 @@ json run_report(const ReportConfig& config, StageContext& context) {
     const fs::path folder = fs::absolute(config.output).lexically_normal();
     for (const std::string& programs : config.programs)
         if (!fs::is_directory(programs))
-            throw ConfigError(fmt::format("programs: expected folders, found '{}'", programs));
+            throw ConfigError(
+                {.key = "programs", .expected = "folders", .found = "'" + programs + "'"});
     const GivenFiles given = sorted(config);
     Report report;
     report.files = read_report_files(given.reports, given.values);

@@ -29,8 +29,9 @@ void check_paths(const SmoothConfig& config) {
             "{0} is a cloud and {1} a model: expected the model first: slim smooth {1} {0} -o {2}",
             config.model, config.cloud, config.output));
     if (parse_memory_size(config.memory) < kLeastSmoothMemory)
-        throw ConfigError("--memory " + config.memory + ": expected at least " +
-                          memory_size_text(kLeastSmoothMemory));
+        throw ConfigError({.key = "memory",
+                           .expected = "at least " + memory_size_text(kLeastSmoothMemory),
+                           .found = "'" + config.memory + "'"});
     require_model(config.model);
     refuse_to_overwrite(config.output, {config.model, config.cloud});
 }

@@ -29,10 +29,10 @@ check(run("slim", "run", "good.toml", "-q").code == 0 and (harness.folder / "run
 (harness.folder / "taken.toml").write_text(JOB.replace("CLOUD", cloud).replace("runs/deep", "taken"))
 (harness.folder / "taken/model.slim").mkdir(parents=True)
 taken = run("slim", "run", "taken.toml", "-q")
-check(taken.code == 2 and "taken/model.slim: is a folder; expected a file" in taken.err and "-o" not in taken.err and
+check(taken.code == 2 and "taken/model.slim: is a folder: expected a file" in taken.err and "-o" not in taken.err and
       "--output" not in taken.err, f"a folder where the model is to be: {taken.code} {taken.err}")
 told = run("slim", "build", cloud, "-o", "taken/model.slim", "-q")
-check(told.code == 2 and "-o taken/model.slim: is a folder; expected a file" in told.err, f"its option: {told.err}")
+check(told.code == 2 and "-o taken/model.slim: is a folder: expected a file" in told.err, f"its option: {told.err}")
 
 before = sorted(harness.folder.glob("*"))
 for code, arguments in (

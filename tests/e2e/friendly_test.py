@@ -274,7 +274,7 @@ def said_of_nothing():
     shutil.copy(harness.bin / "slim-run", bare)
     alone = subprocess.run([bare / "slim-run", "plate"], capture_output=True, text=True)
     check(alone.returncode == 2 and "no ready styles beside the program" in alone.stderr, f"without styles: {alone.stderr}")
-    refused(2, ["no ready style of that name (did you mean 'plate'?) (known: comparison"], "slim", "run", "plat")
+    refused(2, ["no ready style of that name: expected a file, or one of comparison", "(did you mean 'plate'?)"], "slim", "run", "plat")
 
 
 def options_without_effect():

@@ -90,6 +90,20 @@ def records():
         check(result.code == 3 and row in result.err, f"{text!r}: {result.code} {result.err}")
 
 
+def unknown():
+    """What is of no known kind: what it seems to be, and which kinds there are."""
+    (folder / "README.md").write_text("# SLIM\n\nWords.\n")
+    (folder / "program").write_bytes(b"\x7fELF\x02\x01\x01\x00")
+    for name, seems in (("README.md", "text that begins '# SLIM'"), ("program", "7f 45 4c 46")):
+        result = run("slim", "info", name)
+        check(result.code == 3 and seems in result.err and ".slim" in result.err and "PLY" in result.err, result.err)
+    (folder / "words.txt").write_text("no numbers\n")  # the name is a cloud's
+    check("expected numbers" in run("slim", "info", "words.txt").err, "a text that is named as a cloud")
+    (folder / "broken.json").write_text('{"a": 1,\n "b": }\n')
+    result = run("slim", "info", "broken.json")
+    check(result.code == 3 and "broken.json:2: byte 15: expected JSON, found '}'" in result.err, result.err)
+
+
 def printed_size():
     """One metre of the model: pixels over the width in mm, within the rounding of a whole number."""
     result = run("slim", "render", "m.slim", "--ortho", "--scale-bar", "--unit", "mm", "--size", "640x480", "-o", "o.png",
@@ -157,6 +171,7 @@ run("slim", "slice", "c.ply", "-o", "w", "--slices", 2)
 run("slim", "measure", "m.slim", "c.ply", "--per-point", "points.ply", "-o", "measured.json")
 kinds()
 records()
+unknown()
 printed_size()
 false_truths()
 not_a_pipe()

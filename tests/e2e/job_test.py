@@ -101,6 +101,11 @@ def same_pictures_of_a_model():
     whole = run("slim", "render", "out/model.slim", "-o", "whole", "--job", "view.toml", "--config", "whole.toml", "--json")
     check(whole.code == 0 and [(s["result"]["width"], len(s["result"]["files"])) for s in whole.json()["steps"]] ==
           [(80, len(s["result"]["files"])) for s in answer["steps"]], f"a whole --config beside --job: {whole.out}{whole.err}")
+    (harness.folder / "cut.toml").write_text("".join(line for line in usual.replace('"1600x1200"', '"80x60"').splitlines(True)
+                                                     if not line.startswith(("aov = ", "fov = "))))
+    cut = run("slim", "render", "out/model.slim", "-o", "cut", "--job", "view.toml", "--config", "cut.toml", "--json")
+    check(cut.code == 0 and [len(s["result"]["files"]) for s in cut.json()["steps"]] ==
+          [len(s["result"]["files"]) for s in answer["steps"]], f"one of which lines were taken out: {cut.out}{cut.err}")
     (harness.folder / "short.toml").write_text('size = "1600x1200"\n')  # as by default, and meant
     (harness.folder / "small.toml").write_text('[render]\nsize = "20x15"\n[[view]]\naovs = ["depth"]\n')
     short = run("slim", "render", "out/model.slim", "-o", "short", "--job", "small.toml", "--config", "short.toml", "--json")

@@ -69,6 +69,29 @@ def impossible():
     check(result.code == 3 and "internal" not in result.err, f"a folder of sensors: {result.code} {result.err}")
 
 
+def misspelt():
+    """A slip in a word of fixed ones: the nearest is told, and --json has it in a place of its own."""
+    slips = (("camera", "fornt", "front"), ("aov", "shadde", "shaded"), ("lines", "crset", "crest"), ("up", "Y", "y"),
+             ("mode", "raytarce", "raytrace"), ("background", "wihte", "white"), ("same_range", "fornt", "front"),
+             ("range", "maen=3", "mean"), ("light", "kye", "key"), ("light", "sun azimut=3", "azimuth"),
+             ("light", "sun shadows=onn", "on"), ("material", "color=sacn", "scan"), ("material", "colr=scan", "color"),
+             ("contours", "nnoe", "none"), ("ground_height", "atuo", "auto"), ("ground_color", "shdow", "shadow"),
+             ("truth_shape", "shpere", "sphere"), ("format", "ppng", "png"), ("job", "curvatrue", "curvature"))
+    beside = {"contours": ("--aov", "hillshade"), "ground_height": ("--ground", "--mode", "raytrace"),
+              "ground_color": ("--ground", "--mode", "raytrace"), "truth_shape": ("--aov", "truth_distance"),
+              "same_range": ("--aov", "mean"), "range": ("--aov", "mean")}
+    for key, value, meant in slips:
+        option = "--" + key.replace("_", "-")
+        result = run("slim", "render", *VERBS["render"], f"{option}={value}", *beside.get(key, ()), "--json")
+        error = result.json().get("error", {})
+        said = f"{option} {value}: {result.code} {error}"
+        check(result.code == 2 and error.get("option") == option, said)
+        check(key == "job" or error.get("key") == key, said)
+        check(error.get("hint") == f"did you mean '{meant}'?" and error["hint"] in error["message"], said)
+    result = run("slim", "render", *VERBS["render"], "--path", "front; bcak", "--frames", "3")
+    check("did you mean 'back'?" in result.err and "keyframe 2" in result.err, result.err)
+
+
 run("slim", "scan", "sphere", "-o", "s.ply", "--points", 1500)
 run("slim", "build", "s.ply", "-o", "m.slim", "--work", "work", "--t-mdl", 0.05)
 (harness.folder / "job.toml").write_text("[input]\nfiles = ['s.ply']\n[[view]]\nsize = '64x48'\n")
@@ -84,4 +107,5 @@ for verb in VERBS:
     wrong(verb, "config", "nonsense")
     wrong(verb, "config", ".")
 impossible()
+misspelt()
 harness.end()

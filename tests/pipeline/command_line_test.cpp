@@ -73,6 +73,16 @@ TEST(CommandLine, AConfigFileGivesItsKeysAndAPrintedOneThoseThatWereChangedInIt)
     usual.angle = 3, usual.output = "other.slim";
     std::ofstream(file) << print_config(fields_of(usual)) << "\n";
     EXPECT_EQ(parse(config, words).given, (std::vector<std::string>{"angle", "inputs", "output"}));
+    // Lines that were taken out make it no short one.
+    config = {};
+    std::string printed = print_config(fields_of(usual));
+    for (const char* key : {"degree", "camera"}) {
+        const std::size_t at = printed.find(std::string(key) + " = ");
+        printed.erase(at, printed.find('\n', at) + 1 - at);
+    }
+    std::ofstream(file) << printed;
+    EXPECT_EQ(parse(config, words).given, (std::vector<std::string>{"angle", "inputs", "output"}));
+    EXPECT_EQ(config.degree, 2);
     // A short one means what it names, also as it is by default.
     config = {};
     std::ofstream(file) << "degree = 2\nangle = 3.0\nlegend = false\n";
@@ -174,6 +184,9 @@ TEST(CommandLine, TheLaterOfFileSetAndOptionWins) {
 TEST(CommandLine, SuggestsTheNearestOption) {
     EXPECT_EQ(refusal({"--degre", "3"}), "unknown option --degre (did you mean '--degree'?)");
     EXPECT_EQ(refusal({"-j", "3"}), "unknown option -j (threads are --threads N)");
+    EXPECT_EQ(refusal({"--view", "top"}), "unknown option --view (did you mean '--camera'?)");
+    EXPECT_EQ(refusal({"--input", "a.ply"}), "unknown option --input (files to read are written "
+                                             "without an option before them)");
     EXPECT_EQ(refusal({"--thread=3"}), "unknown option --thread (did you mean '--threads'?)");
     EXPECT_EQ(refusal({"--set", "degre=3"}),
               "--set degre=3: unknown key 'degre' (did you mean 'degree'?)");

@@ -63,13 +63,13 @@ fs::path write_file(const std::string& name, const std::string& text) {
 TEST(Config, SetsEveryKindOfField) {
     SampleConfig config;
     const FieldList fields = fields_of(config);
-    fields.find("degree")->set({"3"}, "x");
-    fields.find("t_mdl")->set({"1e-3"}, "x");
-    fields.find("range")->set({"2.5"}, "x");
-    fields.find("legend")->set({"false"}, "x");
-    fields.find("seed")->set({"18446744073709551615"}, "x");
-    fields.find("aov")->set({"mean", "k1"}, "x");
-    fields.find("offset")->set({"-1", "2.5", "1e6"}, "x");
+    fields.find("degree")->set({"3"}, {.key = "x"});
+    fields.find("t_mdl")->set({"1e-3"}, {.key = "x"});
+    fields.find("range")->set({"2.5"}, {.key = "x"});
+    fields.find("legend")->set({"false"}, {.key = "x"});
+    fields.find("seed")->set({"18446744073709551615"}, {.key = "x"});
+    fields.find("aov")->set({"mean", "k1"}, {.key = "x"});
+    fields.find("offset")->set({"-1", "2.5", "1e6"}, {.key = "x"});
     EXPECT_EQ(config.degree, 3);
     EXPECT_EQ(config.t_mdl, 1e-3);
     EXPECT_EQ(config.range, 2.5f);
@@ -81,40 +81,65 @@ TEST(Config, SetsEveryKindOfField) {
 
 TEST(Config, AcceptsAWholeNumberWithAnExponent) {
     SampleConfig config;
-    fields_of(config).find("seed")->set({"5e5"}, "x");
+    fields_of(config).find("seed")->set({"5e5"}, {.key = "x"});
     EXPECT_EQ(config.seed, 500000u);
-    EXPECT_NE(refusal([&] { fields_of(config).find("seed")->set({"5e-1"}, "x"); }), "");
-    EXPECT_NE(refusal([&] { fields_of(config).find("seed")->set({"-1"}, "x"); }), "");
+    EXPECT_NE(refusal([&] { fields_of(config).find("seed")->set({"5e-1"}, {.key = "x"}); }), "");
+    EXPECT_NE(refusal([&] { fields_of(config).find("seed")->set({"-1"}, {.key = "x"}); }), "");
 }
 
 TEST(Config, RefusesWhatIsOutOfRangeOrNoNumber) {
     SampleConfig config;
     const FieldList fields = fields_of(config);
-    EXPECT_EQ(refusal([&] { fields.find("degree")->set({"4"}, "--degree"); }),
+    EXPECT_EQ(refusal([&] { fields.find("degree")->set({"4"}, {.option = "--degree"}); }),
               "--degree: expected a number in [1, 3]; found 4");
-    EXPECT_EQ(refusal([&] { fields.find("degree")->set({"two"}, "--degree"); }),
+    EXPECT_EQ(refusal([&] { fields.find("degree")->set({"two"}, {.option = "--degree"}); }),
               "--degree: expected a whole number, found 'two'");
-    EXPECT_NE(refusal([&] { fields.find("t_mdl")->set({"nan"}, "x"); }), "");
+    EXPECT_NE(refusal([&] { fields.find("t_mdl")->set({"nan"}, {.key = "x"}); }), "");
     // Of any size is no number without one.
     double any = 0;
     FieldList free;
     free("any", any, "any number");
     for (const char* item : {"nan", "inf", "-inf"})
-        EXPECT_EQ(refusal([&] { free.find("any")->set({item}, "--any"); }),
-                  std::string("--any: expected a finite number; found ") + item);
-    free.find("any")->set({"-1e300"}, "--any");
+        EXPECT_EQ(refusal([&] { free.find("any")->set({item}, {.option = "--any"}); }),
+                  std::string("--any: expected a finite number, found ") + item);
+    free.find("any")->set({"-1e300"}, {.option = "--any"});
     EXPECT_EQ(any, -1e300);
-    EXPECT_NE(refusal([&] { fields.find("legend")->set({"yes"}, "x"); }), "");
+    EXPECT_NE(refusal([&] { fields.find("legend")->set({"yes"}, {.key = "x"}); }), "");
     EXPECT_EQ(config.degree, 2);  // a refused value changes nothing
 }
 
 TEST(Config, SuggestsTheNearestChoice) {
     SampleConfig config;
     EXPECT_EQ(
-        refusal([&] { fields_of(config).find("normals")->set({"kepe"}, "--normals"); }),
+        refusal([&] { fields_of(config).find("normals")->set({"kepe"}, {.option = "--normals"}); }),
         "--normals: expected one of auto, keep, estimate; found 'kepe' (did you mean 'keep'?)");
-    EXPECT_NE(refusal([&] { fields_of(config).find("aov")->set({"shaded", "men"}, "x"); }), "");
+    EXPECT_NE(
+        refusal([&] { fields_of(config).find("aov")->set({"shaded", "men"}, {.key = "x"}); }), "");
     EXPECT_EQ(suggestion("wholly-different", {"keep"}), "");
+}
+
+TEST(Config, SuggestsNoNameOfWhichNothingIsLeft) {
+    EXPECT_EQ(did_you_mean("4", {"1", "2"}), "");
+    EXPECT_EQ(did_you_mean("ab", {"on"}), "");
+    EXPECT_EQ(did_you_mean("fornt", {"back", "front"}), "did you mean 'front'?");
+    EXPECT_EQ(did_you_mean("Y", {"x", "y"}), "did you mean 'y'?");
+}
+
+TEST(Config, AnErrorHasItsPartsBesideItsText) {
+    SampleConfig config;
+    const fs::path file = write_file("parts.toml", "degree = 2\nnormals = 'kepe'\n");
+    try {
+        apply_config_file(file, fields_of(config));
+        FAIL();
+    } catch (const ConfigError& error) {
+        const Fault& fault = error.fault();
+        EXPECT_EQ(fault.file, file.string());
+        EXPECT_EQ(fault.line, 2);
+        EXPECT_EQ(fault.key, "normals");
+        EXPECT_EQ(fault.found, "'kepe'");
+        EXPECT_EQ(fault.hint, "did you mean 'keep'?");
+        EXPECT_EQ(message_of(fault), error.what());
+    }
 }
 
 TEST(Config, HashesWhatCountsAndNotThePaths) {
@@ -186,7 +211,8 @@ TEST(TomlFile, AChoiceMayBeANumberWithoutQuotes) {
          {"degree = 3", "degree = 1.5", "degree = true", "degree = [1]", "degree = 'atuo'"})
         EXPECT_THROW(apply_config_file(write_file("choice.toml", text), fields), ConfigError)
             << text;
-    const std::string one_letter = refusal([&] { fields.find("degree")->set({"4"}, "--degree"); });
+    const std::string one_letter =
+        refusal([&] { fields.find("degree")->set({"4"}, {.option = "--degree"}); });
     EXPECT_EQ(one_letter, "--degree: expected one of 1, 2, auto; found '4'");
 }
 
@@ -205,10 +231,48 @@ TEST(TomlFile, NamesLineAndNearestKeyOfAnUnknownOne) {
               file.string() + ":3: unknown key 'degre' (did you mean 'degree'?)");
 }
 
+TEST(TomlFile, AListMayBeWrittenAsOnACommandLine) {
+    const auto read = [](const std::string& text) {
+        SampleConfig config;
+        apply_config_file(write_file("lists.toml", text), fields_of(config));
+        return config;
+    };
+    EXPECT_EQ(read("aov = 'mean,k1'").aov, (std::vector<std::string>{"mean", "k1"}));
+    EXPECT_EQ(read("aov = 'k1'").aov, (std::vector<std::string>{"k1"}));
+    EXPECT_EQ(read("aov = ''").aov, (std::vector<std::string>{}));
+    EXPECT_EQ(read("offset = '1,-2.5,3e2'").offset, (std::vector<double>{1, -2.5, 300}));
+    EXPECT_EQ(read("offset = 4").offset, (std::vector<double>{4}));
+    const SampleConfig clouds = read("inputs = 'a,b.ply'");  // a word is one file
+    ASSERT_EQ(clouds.inputs.size(), 1u);
+    EXPECT_TRUE(clouds.inputs[0].ends_with("/a,b.ply")) << clouds.inputs[0];
+    SampleConfig config;
+    const fs::path file = write_file("lists.toml", "degree = 2\naov = 'mean,k2'\n");
+    EXPECT_EQ(refusal([&] { apply_config_file(file, fields_of(config)); }),
+              file.string() + ":2: aov: expected one of shaded, mean, k1; found 'k2' (did you mean "
+                              "'k1'?)");
+}
+
+TEST(TomlFile, SaysWhatIsNotTomlInItsOwnWords) {
+    const auto said = [](const std::string& text) {
+        SampleConfig config;
+        const fs::path file = write_file("broken.toml", text);
+        const std::string what = refusal([&] { apply_config_file(file, fields_of(config)); });
+        EXPECT_TRUE(what.starts_with(file.string())) << what;
+        return what.substr(std::min(what.size(), file.string().size()));
+    };
+    EXPECT_EQ(said("degree = 1\n\ndegree = 2\n"), ":3: degree is there already, in line 1");
+    const std::string bare = said("degree = 1\naov = shaded\n");
+    EXPECT_TRUE(bare.starts_with(":2: not TOML, column ")) << bare;
+    EXPECT_NE(bare.find("found 'aov = shaded'"), std::string::npos) << bare;
+    const std::string open = said("degree = [1,\n");
+    EXPECT_NE(open.find("not TOML"), std::string::npos) << open;
+    EXPECT_EQ((bare + open).find("rror while parsing"), std::string::npos);
+}
+
 TEST(TomlFile, RefusesWrongTypes) {
     const char* texts[] = {
         "degree = 2.5",    "degree = '2'",          "degree = [2]",   "t_mdl = true",
-        "legend = 1",      "aov = 'shaded'",        "aov = [1]",      "normals = 1",
+        "legend = 1",      "aov = [1]",      "normals = 1",
         "degree = ",       "seed = 1979-05-27",     "offset = [[1]]", "[fit]\ndegree = 1",
         "aov = ['k1', 2]", "degree = 1\ndegree = 2"};
     for (const char* text : texts) {

@@ -1,5 +1,6 @@
 #include "tests/pipeline/build/normals_stage_support.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -68,19 +69,46 @@ TEST_F(Sensors, SensorsThatAreNoneAreRefusedByScanAndFile) {
         }
     };
     for (const auto& [entry, told] :
-         {std::pair{R"({"id": 0, "direction": [0, 0, 0]})", "scan 0: direction [0,0,0]"},
+         {std::pair{R"({"id": 0, "direction": [0, 0, 0]})",
+                    "scan 0: direction: expected one that is not zero, found [0,0,0]"},
           std::pair{R"({"id": 4294967296, "position": [0, 0, 9]})", "scan 4294967296:"},
           std::pair{R"({"id": 65536, "position": [0, 0, 9]})", "scan 65536:"},
           std::pair{R"({"id": -1, "position": [0, 0, 9]})", "scan -1:"},
           std::pair{R"({"id": 0.5, "position": [0, 0, 9]})", "scan 0.5:"},
-          std::pair{R"({"id": 0, "position": [0, 9]})", "scan 0: position [0,9]"},
-          std::pair{R"({"id": 0, "position": [0, null, 9]})", "c.scans.json"},
-          std::pair{R"({"id": 0, "position": [0, 1e999, 9]})", "c.scans.json"}}) {
+          std::pair{R"({"id": 0, "position": [0, 9]})",
+                    "scan 0: position: expected 3 numbers, found [0,9]"},
+          std::pair{R"({"id": 0, "position": [0, null, 9]})",
+                    "scan 0: position: expected 3 numbers"},
+          std::pair{R"({"id": 0, "position": [0, 1e999, 9]})", "expected JSON, found a number"},
+          std::pair{R"({"position": [0, 1, 9]})", "entry 1 of scans: expected an \"id\""},
+          std::pair{R"({"id": 0})", "entry 1 of scans: expected a \"position\" or"},
+          std::pair{R"(7)", "entry 1 of scans: expected an object, found 7"},
+          std::pair{R"({"id": 0, "position": [0, 1, 9)", "expected JSON, found ')]}'"}}) {
         const std::string message = refused(entry);
         EXPECT_NE(message.find(told), std::string::npos) << entry << ": " << message;
         EXPECT_NE(message.find("c.scans.json"), std::string::npos) << message;
+        EXPECT_EQ(message.find("json.exception"), std::string::npos) << message;
     }
     EXPECT_EQ(refused(R"({"id": 0, "direction": [0, 0, 1e-200]})"), "");
+}
+
+TEST_F(Sensors, SlicesMadeWithOtherSensorsDoNotGoTogether) {
+    slice(write(sampled("sphere", 6000), "c.ply", false), 2);
+    const auto with_sensors = [&](int number, const char* name, const char* z) {
+        folder_.write(name,
+                      fmt::format(R"({{"scans": [{{"id": 0, "position": [0, 0, {}]}}]}})", z));
+        NormalsConfig c;
+        c.slice = number, c.sensors = file(name);
+        normals(c);
+    };
+    with_sensors(0, "a.json", "9"), with_sensors(1, "b.json", "-9");
+    EXPECT_EQ(code_of([&] { fit(); }), ExitCode::incomplete);
+    for (const char* name : {"a.json", "b.json"})
+        EXPECT_NE(message_.find(std::string("--sensors ") + file(name)), std::string::npos)
+            << message_;
+    // Their positions count, not what the file is called.
+    with_sensors(1, "b.json", "9");
+    EXPECT_EQ(code_of([&] { fit(); }), ExitCode::ok) << message_;
 }
 
 }  // namespace

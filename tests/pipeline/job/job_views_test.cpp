@@ -94,7 +94,7 @@ TEST(JobDrawing, LeavesOutWhatOtherPicturesThanTheJobsHaveNoUseFor) {
     EXPECT_FALSE(has(job.steps[0], "--truth-shape=bumpy"));
     EXPECT_NE(drawing_refusal(text, {{"sun", Field::Kind::real, true, {"3", "4"}, 0},
                                      {"aov", Field::Kind::text, true, {"depth"}, 0}})
-                  .find("command line: no view takes it"),
+                  .find("(no view of "),
               std::string::npos);
 }
 
@@ -138,7 +138,8 @@ TEST(JobDrawing, EachViewWithLinesWritesAFileOfItsOwn) {
     const Job one = drawing_of("[[view]]\nlines = ['contour']\n", options);
     EXPECT_EQ(said(one.steps[0], "--lines-ply="), "/x/e.ply");
     EXPECT_NE(drawing_refusal("[[view]]\n[[view]]\nname = 'b'\n", options)
-                  .find("no view takes it: lines_ply is for a drawing of lines"),
+                  .find("lines_ply is for a drawing of lines, which is not asked for: --lines or "
+                        "--aov lines (no view of "),
               std::string::npos);
 }
 
@@ -170,7 +171,7 @@ TEST(JobDrawing, SaysWhatItCannotDrawAndWhere) {
                               "not have: expected a model built with --degree 3");
     EXPECT_EQ(drawing_refusal("[[view]]\n", {{"size", Field::Kind::text, false, {"9"}, 0}}),
               file.string() + ", command line: size: expected WIDTHxHEIGHT, each 1 to 32768, "
-                              "found \"9\"");
+                              "found '9'");
     EXPECT_THROW(drawing_of(kTwoViews, {}, "x.png"), ConfigError);
     EXPECT_EQ(drawing_of("[[view]]\n", {}, "x.png").steps[0].output, fs::path("x.png"));
 }
@@ -288,10 +289,11 @@ TEST(Job, OptionsOfAllViewsGoToThoseThatTakeThemAndAreRefusedWhereNoneDoes) {
         }
         return std::string("accepted");
     };
-    EXPECT_NE(message(begin + map).find(":8: no view takes it: ambient is for the aov shaded"),
+    EXPECT_NE(message(begin + map).find(":8: ambient is for the aov shaded, which is not asked "
+                                       "for (no view takes it)"),
               std::string::npos)
         << message(begin + map);
-    EXPECT_NE(message(begin + "[[view]]\n").find(":5: no view takes it: ao_samples"),
+    EXPECT_NE(message(begin + "[[view]]\n").find(":5: ao_samples is for"),
               std::string::npos);
     EXPECT_NE(message("[input]\nfiles = ['a.ply']\n[[view]]\naovs = ['mean']\nambient = 2\n")
                   .find("ambient is for"),
@@ -338,6 +340,22 @@ TEST(Job, StylesOfAWrongNameAreGuessed) {
         EXPECT_NE(std::string(error.what()).find("did you mean 'plate'?"), std::string::npos)
             << error.what();
     }
+}
+
+TEST(Job, ListsMayBeWrittenAsOnACommandLine) {
+    const Job job = read_job(write_job("[input]\nfiles = 'a.ply,b.ply'\n[render]\n"
+                                       "lines = 'contour,crest'\n[[view]]\naovs = 'shaded,mean'\n"
+                                       "[output]\naovs = 'k1'\n"),
+                             {"render.range=mean=2,k1=3"});
+    const JobStep& view = job.steps.back();
+    EXPECT_TRUE(has(view, "--lines=contour,crest"));
+    EXPECT_TRUE(has(view, "--aov=shaded,mean"));
+    EXPECT_TRUE(has(view, "--range=mean=2,k1=3"));
+    EXPECT_TRUE(has(job.steps[0], (job_folder() / "a.ply").string()));
+    EXPECT_TRUE(has(job.steps[0], (job_folder() / "b.ply").string()));
+    EXPECT_NE(refusal("[input]\nfiles = 'a.ply'\n[render]\nlines = 'contour,crset'\n[[view]]\n")
+                  .find(":4: lines: expected one of"),
+              std::string::npos);
 }
 
 TEST(Job, TheFilmStyleLooksDownAndItsCameraIsSet) {
