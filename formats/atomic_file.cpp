@@ -127,7 +127,7 @@ AtomicFile::AtomicFile(std::string path)
         const bool full = errno == ENOSPC || errno == EDQUOT || errno == EMFILE || errno == ENFILE;
         throw IoError(
             {.file = path_, .problem = message("cannot be created: ", std::strerror(errno))},
-                      full ? ExitCode::resource : ExitCode::usage);
+            full ? ExitCode::resource : ExitCode::usage);
     }
     live_temporaries().insert(temporary_);
     // To be seen alive by others, also by those of another host of this one's name.

@@ -59,7 +59,7 @@ bool make_folders(const std::string& folder) {
         const bool full = error == ENOSPC || error == EDQUOT;
         throw IoError(
             {.file = folder, .problem = message("cannot make this folder: ", std::strerror(error))},
-                      full ? ExitCode::resource : ExitCode::usage);
+            full ? ExitCode::resource : ExitCode::usage);
     }
     return made_it;
 }

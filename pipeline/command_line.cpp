@@ -239,8 +239,8 @@ ConfigError in_our_words(const CLI::ParseError& error) {
 
 constexpr const char* kCommonHelp = R"(
 Every verb:
-  --config FILE          read these options from a TOML file (keys as printed by --print-config; what it
-                         leaves out stays as by default)
+  --config FILE          read these options from a TOML file (keys as printed by --print-config;
+                         what it leaves out stays as by default)
   --set KEY=VALUE        change one of them
   --print-config         print all options as TOML and stop
   --threads N            threads to use, 1 or more (default: SLIM_THREADS, else SLURM_CPUS_PER_TASK, else

@@ -219,8 +219,7 @@ void check_required(const FieldList& fields) {
     for (const Field& field : fields.fields()) {
         if (!field.required || !field.empty()) continue;
         const std::string name = field.role == FieldRole::output ? "-o" : field.key;
-        throw ConfigError(
-            {.key = field.key, .option = "missing " + name, .problem = field.help});
+        throw ConfigError({.problem = "missing " + name + ": " + field.help});
     }
 }
 

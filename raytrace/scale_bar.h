@@ -18,7 +18,8 @@ struct ScaleBar {
 /// picture's width.
 double scale_bar_length(const ScaleBar& scale, int width);
 
-/// What bar and words take in a corner of a width x height picture; nothing where they have no room.
+/// What bar and words take in a corner of a width x height picture; nothing where they have no
+/// room.
 PixelBox scale_bar_box(const ScaleBar& scale, int width, int height,
                        LegendPlace corner = LegendPlace::left_bottom);
 

@@ -129,7 +129,9 @@ class ReadAhead {
 public:
     /// Of a slice that comes next, if there is one. Not thread-safe.
     void read(const NormalsConfig& config, const SlicePlan& plan, std::optional<std::size_t> next) {
-        if (!next) return;
+        if (!next || std::filesystem::exists(manifest_path(
+                         oriented_points_path(config.work, *next))))
+            return;  // it may be up to date
         try {
             points_ = read_with_rims(config, plan, *next, std::nullopt);
             slice_ = next;
@@ -249,8 +251,9 @@ bool may_read_ahead(const NormalsConfig& config, const SlicePlan& plan) {
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
     for (const char* key :
          {"points", "kept", "turned", "of_contrary_scans", "of_contrary_patches",
-          "estimates_turned", "estimates_widened", "estimated", "degenerate", "noisy", "oriented_by_sensor",
-          "oriented_by_neighbors", "oriented_by_rule", "unanchored_components"})
+          "estimates_turned", "estimates_widened", "estimated", "degenerate", "noisy",
+          "oriented_by_sensor", "oriented_by_neighbors", "oriented_by_rule",
+          "unanchored_components"})
         sum[key] = sum.value(key, std::uint64_t{0}) + one.at(key).get<std::uint64_t>();
     sum["neighbors"] = std::max(sum.value("neighbors", std::uint64_t{0}),
                                 one.at("neighbors").get<std::uint64_t>());

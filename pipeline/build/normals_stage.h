@@ -32,8 +32,8 @@ struct NormalsConfig : SliceChoice {
         field("neighbors", neighbors,
               "neighbours of a point that its normal is estimated from, 4 or more; 0: 16, and up "
               "to 64 where noise "
-              "is thicker than they reach (by slice); where they lie on one scan line, or noise "
-              "hides their plane, twice as many until they do not",
+              "is thicker than they reach (by slice), twice as many where it hides their plane; "
+              "where they lie on one scan line, twice as many until they do not",
               0, 200);
         field.path("sensors", sensors,
                    "JSON with the position of each scan's sensor, or the direction to it (as `slim "

@@ -73,7 +73,7 @@ struct EstimateRules {
 /// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are
 /// to be estimated.
 EstimateRules rules_for_noise(const PointBlock& points, const NearestSearch& search,
-                                const std::vector<bool>& own, std::size_t n_wanted) {
+                              const std::vector<bool>& own, std::size_t n_wanted) {
     if (kFew * n_wanted < points.size()) return {};
     const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
     const std::vector<std::uint32_t> samples = sample_points(points, own, kFewSamples / n_own);

@@ -117,13 +117,19 @@ std::string what_it_seems(const std::string& head) {
     return "bytes of no format that is known, the first" + bytes;
 }
 
+/// As a cloud's text does: what is wrong with one is told by line.
+bool begins_with_number(const std::string& head) {
+    const std::size_t first = head.find_first_not_of(" \t\r\n+-.");
+    return first != std::string::npos && head[first] >= '0' && head[first] <= '9';
+}
+
 /// A cloud, by whatever name; what is none, and is not named as one, may be anything.
 json cloud_or_unknown(const std::string& path, StageContext& context) {
     const std::string head = first_bytes(path, 60);
     try {
         return cloud_info(path, context);
     } catch (const FormatError&) {
-        if (head.empty() || is_known_format(path, head)) throw;
+        if (head.empty() || is_known_format(path, head) || begins_with_number(head)) throw;
         throw FormatError(Fault{.file = path,
                                 .problem = "is of no kind that is known",
                                 .expected = kKinds,

@@ -66,6 +66,18 @@ void check_output(const RenderConfig& config) {
     check_folder(is_folder_output(config.output) ? output : output.parent_path(), config.output);
 }
 
+/// Whether a fault is of a file: readers of formats say so in their texts.
+bool is_of_file(const Fault& fault, const std::string& path) {
+    if (path.empty()) return false;
+    const std::string whole = fs::absolute(path).string();
+    const auto begins_with = [&](const std::string& file) {
+        return fault.problem.starts_with(file) &&
+               fault.problem.find_first_of(": ", file.size()) == file.size();
+    };
+    if (!fault.file.empty()) return fs::absolute(fault.file).string() == whole;
+    return begins_with(path) || begins_with(whole);
+}
+
 /// Whether an option that was given, or its file, is at fault.
 bool is_of_given(const Fault& fault, const RenderConfig& config, const StageContext& context) {
     RenderConfig copy = config;
@@ -73,9 +85,9 @@ bool is_of_given(const Fault& fault, const RenderConfig& config, const StageCont
     for (const Field& field : fields.fields()) {
         if (!contains(context.given, field.key) || field.is_word()) continue;
         if (fault.key == field.key) return true;
-        if (!field.is_path() || fault.file.empty()) continue;
+        if (!field.is_path()) continue;
         for (const std::string& path : field.items())
-            if (path == fault.file || fs::absolute(path) == fs::absolute(fault.file)) return true;
+            if (is_of_file(fault, path)) return true;
     }
     return false;
 }

@@ -20,7 +20,7 @@ int ink_reach(int width, int height);
 /// inside        that window, in pixels of `drawn`
 /// whole_height  with whole_width the whole picture's size
 /// returns       inside.width x inside.height, row by row
-/// cost          O(pixels x ink_reach), parallel over rows
+/// cost          O(pixels x ink_reach^2), parallel over rows
 std::vector<float> ink_plane(const Picture& drawn, const PixelWindow& inside, int whole_width,
                              int whole_height);
 

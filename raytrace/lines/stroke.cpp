@@ -82,11 +82,11 @@ void composite(LineKind kind, const LineInks& inks, Band& band, const Canvas& ca
         for (int x = band.x0; x < band.x1; ++x) {
             float& c = band.at(x, y);
             if (c == 0) continue;
-            const float share =
-                inks.other.empty() ? 0 : inks.other[canvas.part.index(x - canvas.x0, y - canvas.y0)];
+            const std::size_t i = canvas.part.index(x - canvas.x0, y - canvas.y0);
+            const float share = inks.other.empty() ? 0 : inks.other[i];
             const Vec3f color = own + (other - own) * share;
             float* p = canvas.pixel(x, y);
-            for (std::size_t i = 0; i < 3; ++i) p[i] = p[i] * (1 - c) + color[i] * c;
+            for (std::size_t k = 0; k < 3; ++k) p[k] = p[k] * (1 - c) + color[k] * c;
             p[3] = p[3] * (1 - c) + c;
             c = 0;
         }

@@ -9,9 +9,9 @@ namespace slim {
 
 /// Average normal of a ball: sum G n_i over the points on the side of `side` (the centre's own
 /// normal), weights at |x| / shrink; where that is far from `side`, which noise has tilted, over
-/// those on its own side (slim/normals/notes/0008). Where the normals disagree (|sum| < 0.3 sum G), the direction
-/// of least spread of the points, signed by `side` (NUMERICS 2.1). Unit; `side` itself if the ball
-/// is empty (+z if that is zero).
+/// those on its own side, and may then be across `side` (slim/normals/notes/0008). Where the normals
+/// disagree (|sum| < 0.3 sum G), the direction of least spread of the points, signed by `side`
+/// (NUMERICS 2.1). Unit; `side` itself if the ball is empty (+z if that is zero).
 struct BallNormal {
     Vec3d normal;
     bool disagree = false;

@@ -40,8 +40,8 @@ enum class Kind : std::uint8_t { unknown, patch, line };
 Kind kind_of(const Spread& spread) { return is_on_line(spread) ? Kind::line : Kind::patch; }
 
 /// Whether noise is as thick as k neighbours reach. With r, the ratio of the two least eigenvalues,
-/// the direction of the least has the standard error sqrt(r / k) / (1 - r) (first order perturbation
-/// of the covariance of k normal variates). Where two faces meet at right angles r is a quarter:
+/// the direction of the least has the standard error sqrt(r / k) / (1 - r) (first order
+/// perturbation of the covariance of k normal variates). Where two faces meet at right angles r is a quarter:
 /// 0.17 of 16.
 bool is_doubtful(const Spread& s, std::size_t k) {
     const double ratio = s.middle > 0 ? s.smallest / s.middle : 1;
@@ -111,8 +111,8 @@ std::vector<std::uint32_t> widen(PointBlock& points, const NearestSearch& search
     return rows;
 }
 
-/// Estimates the normals of some rows from more neighbours, twice as many until their plane is known.
-/// Returns the rows that have one; the others are as they were.
+/// Estimates the normals of some rows from more neighbours, twice as many until their plane is
+/// known. Returns the rows that have one; the others are as they were.
 std::vector<std::uint32_t> widen_in_noise(PointBlock& points, const NearestSearch& search,
                                           NeighborGraph& graph, std::vector<std::uint32_t> rows,
                                           std::size_t k) {
@@ -125,7 +125,7 @@ std::vector<std::uint32_t> widen_in_noise(PointBlock& points, const NearestSearc
         std::vector<std::uint8_t> is_left(rows.size());  // a byte each: threads write side by side
         search.for_each(wanted, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
             const Spread spread = spread_of(points.position, neighbors);
-            is_left[r] = is_doubtful(spread, k);
+            is_left[r] = is_doubtful(spread, neighbors.size());
             if (is_left[r]) return;
             points.normal[wanted[r]] = normalized(to_float(spread.normal));
             list_neighbors(graph, rows[r], neighbors);
@@ -215,7 +215,7 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
         const bool counts = counted.empty() || counted[searched[r]];
         if (counts && !(spread.middle > kSpansPlane * spread.largest)) ++lines;
         kinds[searched[r]] = kind_of(spread);
-        if (!doubtful.empty()) doubtful[r] = is_doubtful(spread, k);
+        if (!doubtful.empty()) doubtful[r] = is_doubtful(spread, neighbors.size());
         points.normal[searched[r]] = normalized(to_float(spread.normal));
         list_neighbors(graph, rows[r], neighbors);
     });

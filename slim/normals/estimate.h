@@ -17,7 +17,7 @@ struct NeighborGraph {
     std::vector<std::uint32_t> neighbors;  ///< k a point
     /// points that have no patch of neighbours, but a line of them: their normals say nothing
     std::size_t n_on_lines = 0;
-    /// points whose normals are estimated from more than k, as the noise is thicker than those reach
+    /// points whose normals are estimated from more than k, as noise is as thick as those reach
     std::size_t n_widened = 0;
 
     std::span<const std::uint32_t> of(std::size_t row) const {
@@ -37,10 +37,11 @@ enum class NoiseOfPoints : std::uint8_t { thin, thick };
 /// Where neighbours lie on a scan line whose next ones are far, twice as many are taken until they
 /// are a patch, up to 512 (notes/0005); not where such points are one in a hundred or fewer; where
 /// they are less than half, not far (wires over a ground, notes/0007).
-/// In thick noise, too, twice as many are taken, up to 512, until their plane is known to 0.2 radians
-/// (notes/0008).
+/// In thick noise, too, twice as many are taken, up to 512, until their plane is known to 0.2
+/// radians (notes/0008).
 /// The graph lists 16 of the k at most. Cost: 0.8 us a point and core at k = 16, of a point on a
-/// line up to 15; 78 bytes a point.
+/// line up to 15, in thick noise as much again for each time that more neighbours are taken; 78
+/// bytes a point.
 NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
                                std::span<const std::uint32_t> wanted, std::size_t k,
                                std::size_t& degenerate, const std::vector<bool>& counted = {},

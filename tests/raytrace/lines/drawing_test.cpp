@@ -110,7 +110,8 @@ TEST(InkPlane, OfAPartIsThatOfTheWhole) {
     const std::vector<float> part = ink_plane(drawn, {15, 57, 40, 20}, 100, 100);
     for (int y = 0; y < 20; ++y)
         for (int x = 0; x < 40; ++x)
-            EXPECT_EQ(part[static_cast<std::size_t>(40 * y + x)], whole[drawn.index(15 + x, 57 + y)]);
+            EXPECT_EQ(part[static_cast<std::size_t>(40 * y + x)],
+                      whole[drawn.index(15 + x, 57 + y)]);
     EXPECT_EQ(whole[drawn.index(25, 62)], 0.75f);
     EXPECT_EQ(whole[drawn.index(25, 70)], 0);
 }
