@@ -84,7 +84,9 @@ std::optional<SharpSearch::Choice> SharpSearch::choose(const Vec3d& center,
     for (double r = kGoldenRatio * smooth.finest; r <= root_radius_ * 1.000001; r *= step) {
         const auto rung = evaluate(r, level, center, work);
         if (!rung || rung->energy > least_upper) {
-            if (++failures >= kMostFailures && r > smooth.radius) break;
+            // Sheets that cost too much for their size cost less in a larger ball.
+            const bool may_pay = rung && !best;
+            if (!may_pay && ++failures >= kMostFailures && r > smooth.radius) break;
             if (rung && best && rung->energy > rules_.give_up * least_upper) break;
             continue;
         }
