@@ -13,7 +13,7 @@ namespace {
 constexpr int kMostFailures = 4;        // steps without two clusters before an edge is in sight
 constexpr double kRoughest = 0.07;      // eps over rho: beyond it sheets explain nothing
 constexpr double kRoughestNoisy = 0.1;  // the same where eps is noise
-constexpr double kExact = 0.002;        // eps over rho: such sheets hold in wider balls, too
+constexpr double kExact = 0.001;        // eps over rho: such sheets hold in wider balls, too
 constexpr float kElsewhere = 1e-8f;     // squared distance over rho: nearer is the centre's place
 // radius of the leaf of a tip's own point over the way to the next: nothing is as wide there
 constexpr double kOfTip = 0.1;
