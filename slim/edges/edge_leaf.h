@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace slim {
 
@@ -36,9 +37,20 @@ inline Join join_of_pair(const SharpSheets& sheets, std::size_t pair) {
 /// about 6 degrees.
 std::optional<Vec3d> nearest_on_edge(const Surfel& s, const SheetPair& pair, Vec3d x);
 
-/// Where all sheets are 0, of more than three the place nearest to all, likewise, from the centre.
-/// Of surfels of three sheets or more.
-std::optional<Vec3d> corner_of(const Surfel& s);
+/// A place where three sheets of a surfel or more meet, relative to the centre, over rho.
+struct LeafCorner {
+    Vec3d x;
+    unsigned sheets = 0;  ///< bit k: sheet k
+
+    bool is_of(const SheetPair& pair) const {
+        return (sheets >> pair.a & sheets >> pair.b & 1u) != 0;
+    }
+};
+
+/// The corners on the joined surface within the ball of a surfel of three sheets or more: of three
+/// sheets one at most, of more the end of a bar has two or four. Where more than three sheets meet,
+/// the place nearest to all of them. By Newton's steps from the centre for each three sheets.
+std::vector<LeafCorner> corners_of(const Surfel& s);
 
 /// Whether an edge point x of a pair is on the joined surface: not cut off by another sheet.
 bool edge_shows(const Surfel& s, const SheetPair& pair, const Vec3d& x);

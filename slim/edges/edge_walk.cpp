@@ -98,12 +98,12 @@ EdgeWalk EdgeWalker::follow(const EdgeStart& start, double way, const PassedEdge
     return walk;
 }
 
-/// The corner that ends an edge: of the nearest leaf that cuts it.
+/// The corner that ends an edge: the nearest of the leaves that have the edge.
 std::uint32_t EdgeWalker::corner_here(const Vec3d& p) const {
     std::uint32_t best = kNoCorner;
     double least = INFINITY;
     for (const LeafEdge& part : blender_.parts()) {
-        const std::uint32_t corner = corners_.of_leaf(part.leaf);
+        const std::uint32_t corner = corners_.nearest(part.leaf, part.pair, p);
         if (corner == kNoCorner) continue;
         const double sq = sq_length(corners_[corner].point - p);
         if (sq < least) least = sq, best = corner;

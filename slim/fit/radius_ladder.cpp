@@ -12,6 +12,7 @@ namespace {
 // times the noise: a point with a contrary normal is another sheet's
 constexpr double kOffSheet = 5;
 constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
+constexpr double kPoor = 2;  // eps^2 / lambda: noise does not explain it
 // with the degree chosen: whose points the finest rung holds (notes/0004)
 constexpr int kLeastChosen = 2;
 constexpr double kClearlyMore = 1.2;  // times the sample: a ball is not
@@ -288,8 +289,11 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     const int chosen = largest_as_good(
         std::span(rungs).subspan(static_cast<std::size_t>(coarsest),
                                  static_cast<std::size_t>(finest - coarsest + 1)));
-    // Where even the finest ball but one is poor, the last one may be too large to show an edge.
-    if (rules_.look_for_edges && chosen == finest)
+    // Where even the finest ball but one is poor, or the best is, the last one may be too large to
+    // show an edge, or hold more faces than are told apart.
+    const double unexplained = rungs[chosen]->energy - energy_.price(rung_radius(chosen));
+    const bool is_poor = unexplained > kPoor * energy_.noise_variance;
+    if (rules_.look_for_edges && (chosen == finest || is_poor))
         work.edge_in_sight |= normal_spread(work.ball) >= kLeastSpread;
     const bool saturated = chosen == 0;
     const bool limited = folded && chosen == coarsest;

@@ -13,6 +13,7 @@ namespace {
 constexpr int kMostFailures = 4;        // steps without two clusters before an edge is in sight
 constexpr double kRoughest = 0.07;      // eps over rho: beyond it sheets explain nothing
 constexpr double kRoughestNoisy = 0.1;  // the same where eps is noise
+constexpr double kExact = 0.001;        // eps over rho: such sheets hold in wider balls, too
 constexpr float kElsewhere = 1e-8f;     // squared distance over rho: nearer is the centre's place
 // radius of the leaf of a tip's own point over the way to the next: nothing is as wide there
 constexpr double kOfTip = 0.1;
@@ -66,7 +67,8 @@ std::optional<SharpSearch::Rung> SharpSearch::evaluate(double radius, std::size_
         const double freedom = std::max(fit->n_effective - fit->n_coefficients, 0.5);
         const double upper = energy + 2 * fit->sq_error * std::sqrt(2 / freedom);
         if (best && energy >= best->energy) continue;
-        if (is_filled(*fit, work.ball, typical_variance_)) best = Rung{{radius, k}, energy, upper};
+        if (is_filled(*fit, work.ball, typical_variance_))
+            best = Rung{{radius, k}, energy, upper, fit->sq_error};
     }
     return best;
 }
@@ -80,11 +82,16 @@ std::optional<SharpSearch::Choice> SharpSearch::choose(const Vec3d& center,
     double least_upper = smooth.energy;
     std::size_t level = 0;
     int failures = 0;
+    const bool is_bent = smooth.energy - energy_.price(smooth.radius) >
+                         kExact * kExact * smooth.radius * smooth.radius;
     // Planes need fewer points than the ladder's finest rung holds: one rung below it may do.
     for (double r = kGoldenRatio * smooth.finest; r <= root_radius_ * 1.000001; r *= step) {
         const auto rung = evaluate(r, level, center, work);
         if (!rung || rung->energy > least_upper) {
-            if (++failures >= kMostFailures && r > smooth.radius) break;
+            // Exact sheets that cost too much for their size cost less in a larger ball.
+            const bool may_pay =
+                is_bent && rung && !best && rung->sq_error <= kExact * kExact * r * r;
+            if (!may_pay && ++failures >= kMostFailures && r > smooth.radius) break;
             if (rung && best && rung->energy > rules_.give_up * least_upper) break;
             continue;
         }

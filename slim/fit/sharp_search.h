@@ -51,7 +51,7 @@ public:
 private:
     struct Rung {
         Choice choice;
-        double energy, upper;
+        double energy, upper, sq_error;
     };
     std::optional<Rung> evaluate(double radius, std::size_t& level, const Vec3d& center,
                                  LadderWork& work) const;

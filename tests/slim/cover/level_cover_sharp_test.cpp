@@ -100,6 +100,57 @@ TEST(LevelCover, NoSmoothLeafRoundsOffACornerOfFourFaces) {
     }
 }
 
+/// Vertices of an icosahedron with edges of length 2.
+std::vector<Vec3d> icosahedron_vertices() {
+    const double g = (1 + std::sqrt(5.0)) / 2;
+    std::vector<Vec3d> out;
+    for (const double a : {-1.0, 1.0})
+        for (const double b : {-g, g})
+            out.insert(out.end(), {Vec3d{0, a, b}, Vec3d{a, b, 0}, Vec3d{b, 0, a}});
+    return out;
+}
+
+/// Points within its faces, `n` rows each, with the faces' normals.
+PointBlock icosahedron_points(int n) {
+    const std::vector<Vec3d> v = icosahedron_vertices();
+    const auto is_edge = [&](std::size_t a, std::size_t b) {
+        return std::abs(sq_length(v[a] - v[b]) - 4) < 1e-6;
+    };
+    std::vector<Vec3d> positions;
+    std::vector<Vec3f> normals;
+    for (std::size_t c = 2; c < v.size(); ++c)
+        for (std::size_t b = 1; b < c; ++b)
+            for (std::size_t a = 0; a < b; ++a) {
+                if (!is_edge(a, b) || !is_edge(b, c) || !is_edge(a, c)) continue;
+                for (int i = 0; i < n; ++i)
+                    for (int j = 0; i + j < n; ++j) {
+                        const double s = (i + 1.0 / 3) / n, t = (j + 1.0 / 3) / n;
+                        positions.push_back(v[a] * (1 - s - t) + v[b] * s + v[c] * t);
+                        normals.push_back(to_float(normalized(v[a] + v[b] + v[c])));
+                    }
+            }
+    return block_of(std::move(positions), std::move(normals));
+}
+
+TEST(LevelCover, AnIcosahedronIsOfFlatFaces) {
+    const PointBlock block = icosahedron_points(20);
+    CoverRules rules = rules_for(block, 0.01);
+    rules.noise_variance = std::pow(0.002 * rules.diagonal, 2);  // as its edges feign
+    rules.sharp = true;
+    const std::vector<FittedSurfel> leaves = leaves_of(cover(block, rules));
+    for (const FittedSurfel& leaf : leaves)
+        EXPECT_LT(leaf.fit_error, 1e-3 * leaf.surfel.support_radius) << leaf.surfel.n_sheets();
+    for (const Vec3d& vertex : icosahedron_vertices()) {
+        double least = INFINITY;
+        for (const FittedSurfel& leaf : leaves) {
+            const Vec3d x = (vertex - leaf.surfel.center) / leaf.surfel.support_radius;
+            if (sq_length(x) < kTrim * kTrim)
+                least = std::min(least, std::abs(leaf.surfel.value(x)));
+        }
+        EXPECT_LT(least, 1e-6);
+    }
+}
+
 TEST(LevelCover, NoiseRoundsNothingOff) {
     // Smaller balls are thicker still: tried smaller, leaves would fall apart into single points.
     PointBlock block = block_of(sampled("torus", 20000, 1, 1.6e-3));

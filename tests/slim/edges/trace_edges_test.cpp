@@ -43,9 +43,9 @@ TEST(EdgeLeaf, FindsWherePlanesMeet) {
     EXPECT_LT(length(*edge - Vec3d{0, 0, -0.4}), 1e-6);
     EXPECT_TRUE(edge_shows(s, kSheetPairs[0], *edge));
     EXPECT_FALSE(edge_shows(s, kSheetPairs[0], {0, 0, 0.4}));  // cut off by the third
-    const auto corner = corner_of(s);
-    ASSERT_TRUE(corner);
-    EXPECT_LT(length(*corner), 1e-6);
+    const auto corners = corners_of(s);
+    ASSERT_EQ(corners.size(), 1u);
+    EXPECT_LT(length(corners[0].x), 1e-6);
     const Surfel flat = edge_surfel({}, {0, 0, 1}, {0, 0.01, 1}, 1);
     EXPECT_FALSE(nearest_on_edge(flat, kSheetPairs[0], {}));
 }
@@ -75,11 +75,45 @@ TEST(EdgeLeaf, APeakOfFourFacesHasItsCornerWhereAllMeet) {
     EXPECT_EQ(n_sheet_pairs(s), 6u);
     EXPECT_EQ(kSheetPairs[3].a, 0u);
     EXPECT_EQ(kSheetPairs[5].b, 3u);
-    const auto corner = corner_of(s);
-    ASSERT_TRUE(corner);
-    EXPECT_LT(length(*corner), 1e-6);
+    const auto corners = corners_of(s);
+    ASSERT_EQ(corners.size(), 1u);
+    EXPECT_LT(length(corners[0].x), 1e-6);
+    EXPECT_EQ(corners[0].sheets, 0b1111u);
     for (std::size_t pair = 0; pair < n_sheet_pairs(s); ++pair)
         EXPECT_EQ(join_of_pair(*s.sharp, pair), Join::max);
+}
+
+/// The end of a bar: its top and its end, and two sides that lie `half` rho from the centre.
+Surfel bar_end(double rho, double half) {
+    Surfel s = corner_surfel({}, {Vec3d{0, 0, 1}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}, rho);
+    auto more = std::make_shared<SharpSheets>(*s.sharp);
+    more->extra[2] = plane_sheet({0, -1, 0}), more->n_extra = 3;
+    more->extra[1].polynomial.a[0] = more->extra[2].polynomial.a[0] = half;
+    s.sharp = more;
+    return s;
+}
+
+TEST(EdgeLeaf, TheEndOfABarHasTwoCorners) {
+    const auto corners = corners_of(bar_end(2, 0.4));
+    ASSERT_EQ(corners.size(), 2u);
+    EXPECT_LT(length(corners[0].x - Vec3d{0, 0.4, 0}), 1e-6);
+    EXPECT_LT(length(corners[1].x - Vec3d{0, -0.4, 0}), 1e-6);
+    EXPECT_TRUE(corners[0].is_of({0, 2}));
+    EXPECT_FALSE(corners[0].is_of({0, 3}));
+    EXPECT_EQ(corners_of(bar_end(2, 1.2)).size(), 0u);
+}
+
+TEST(TraceEdges, OfABarsEndRunFromCornerToCorner) {
+    const auto edges = edges_of({bar_end(2, 0.4)});
+    ASSERT_EQ(edges.size(), 5u);
+    std::map<std::uint32_t, int> at_corner;
+    for (const SharpEdge& edge : edges) {
+        for (const std::uint32_t corner : edge.corner) ++at_corner[corner];
+        if (edge.corner[0] == kNoCorner || edge.corner[1] == kNoCorner) continue;
+        EXPECT_NEAR(length_of(edge), 2 * 2 * 0.4, 1e-6);
+    }
+    EXPECT_EQ(at_corner.size(), 3u);
+    for (const auto& [corner, n] : at_corner) EXPECT_EQ(n, corner == kNoCorner ? 4 : 3);
 }
 
 TEST(TraceEdges, OfAPeakAreFourFromItsCorner) {

@@ -60,6 +60,23 @@ double median_radius(const RadiusLadder& ladder, const Ground& ground) {
     return median(radii);
 }
 
+TEST(RadiusLadder, AnEdgeIsLookedForWhereTheBestBallIsPoor) {
+    // Sheets that noise does not explain may be faces, too many in the last ball to tell apart.
+    const Ground& g = sphere();
+    LadderRules rules;
+    rules.look_for_edges = true;
+    const auto is_looked_for = [&](double mdl_length) {
+        const RadiusLadder ladder(*g.pyramid, {5e-5, mdl_length}, 2, 1e-12, 1, rules);
+        LadderWork work;
+        const RadiusChoice c =
+            ladder.choose(g.block.position[0], to_double(g.block.normal[0]), 0, work);
+        EXPECT_GT(c.radius, 2 * c.finest) << mdl_length;
+        return work.edge_in_sight;
+    };
+    EXPECT_TRUE(is_looked_for(1.5));  // eps^2 = 7 lambda
+    EXPECT_FALSE(is_looked_for(0.05));
+}
+
 TEST(RadiusLadder, Row11FindsTheOptimumOfASphere) {
     // NUMERICS 3.2, R = 1: quadratic rho^10 = 16 lambda T^2 L^2 / c4^2,
     // linear rho^6 = 2 lambda T^2 L^2 / c2^2.
