@@ -1,6 +1,5 @@
 #include "slim/cover/second_fit.h"
 
-#include "slim/cover/edge_ends.h"
 #include "slim/cover/leaves_along_curve.h"
 
 #include <algorithm>
@@ -36,7 +35,6 @@ void SecondFit::wait(const CoveringSurfel& leaf, std::uint32_t center) {
 
 void SecondFit::remove(const PointTree& points, const NeedlessRules& rules,
                        const CountedVisit& removed) {
-    end_at_edges(points, rules, blend_, n_drawn_, waiting_);
     remove_needless(points, rules, centers_, blend_, n_drawn_, waiting_,
                     [&](const FittedSurfel& leaf, std::size_t number) {
                         removed(leaf, counted_[number]);
