@@ -181,11 +181,11 @@ TEST_F(RenderSays, HowManyBytesAPixelTakes) {
 TEST_F(RenderSays, AnglesOfViewAsTheLibraryTakesThem) {
     RenderConfig c = config("x.png");
     const FieldList fields = fields_of(c);
-    EXPECT_NO_THROW(fields.find("fov")->set({"179"}, "fov"));
+    EXPECT_NO_THROW(fields.find("fov")->set({"179"}, {.key = "fov"}));
     EXPECT_GT(run(c)["covered_pixels"].get<int>(), 10);
-    EXPECT_NO_THROW(fields.find("fov")->set({"0.001"}, "fov"));
+    EXPECT_NO_THROW(fields.find("fov")->set({"0.001"}, {.key = "fov"}));
     EXPECT_GT(run(c)["covered_pixels"].get<int>(), 1000);
-    EXPECT_THROW(fields.find("fov")->set({"180"}, "fov"), ConfigError);
+    EXPECT_THROW(fields.find("fov")->set({"180"}, {.key = "fov"}), ConfigError);
 }
 
 TEST_F(RenderSays, FlatFacesDoNotSetTheRangeOfAPart) {
