@@ -42,8 +42,7 @@ int check_request(const RenderConfig& config, const std::vector<std::string>& ao
     const int frames = n_frames(config);
     if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
         throw ConfigError(
-            {.key = "lines_ply",
-             .problem = " and --lines-obj are for one picture, not for a turntable or path"});
+            "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
     const OutputPlan pictures = plan_outputs(config, aovs);
     for (int k = 0; k <= (frames > 1 ? frames : 0); ++k)
         check_outputs(config, k > 0 ? pictures.numbered(k) : pictures);

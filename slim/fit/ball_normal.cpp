@@ -64,11 +64,12 @@ template <class T>
                                            const Vec3d& side) {
     NormalSum found = sum_on_side(p, shrink, side);
     double len = length(found.sum);
-    if (len > 0 && dot(found.sum, side) < kSideInDoubt * len * length(side)) {
+    const auto agree = [&] { return len > kLeastAgreement * found.weight && len > 0; };
+    if (agree() && dot(found.sum, side) < kSideInDoubt * len * length(side)) {
         found = sum_on_side(p, shrink, found.sum / len);
         len = length(found.sum);
     }
-    if (len > kLeastAgreement * found.weight && len > 0) return {found.sum / len, false};
+    if (agree()) return {found.sum / len, false};
     const Vec3d known = sq_length(side) > 0 ? side : Vec3d{0, 0, 1};
     if (p.n < 3) return {known, true};
     const Vec3d n = least_spread_direction(p, shrink);

@@ -170,7 +170,7 @@ TEST(JobDrawing, SaysWhatItCannotDrawAndWhere) {
               file.string() + ":1: aov e1 needs third derivatives, which a model of degree 2 does "
                               "not have: expected a model built with --degree 3");
     EXPECT_EQ(drawing_refusal("[[view]]\n", {{"size", Field::Kind::text, false, {"9"}, 0}}),
-              file.string() + ", command line: size: expected WIDTHxHEIGHT, each 1 to 32768, "
+              file.string() + ", command line: size: expected WIDTHxHEIGHT, each 1 to 32768; "
                               "found '9'");
     EXPECT_THROW(drawing_of(kTwoViews, {}, "x.png"), ConfigError);
     EXPECT_EQ(drawing_of("[[view]]\n", {}, "x.png").steps[0].output, fs::path("x.png"));

@@ -56,13 +56,26 @@ TEST_F(RenderLines, AloneOnADarkBackgroundAreLightThereAndInTheSvg) {
     EXPECT_GT(light, 100u);
     EXPECT_NE(bytes("a.lines.svg").find("<g id=\"contour\" stroke=\"#f2f2f0\">"),
               std::string::npos);
-    // Over a drawn surface they stay dark.
+    // Over a drawn surface they stay dark, beside the background they are light.
     c.aov = {"shaded"};
     const PngImage over = draw(c);
     c.lines.clear();
     const PngImage plain = draw(c);
-    for (std::size_t i = 0; i < over.rgba.size(); i += 4)
-        EXPECT_LE(over.rgba[i], std::max<int>(plain.rgba[i], 15)) << i;
+    const auto red = [](const PngImage& image, int x, int y) {
+        return image.rgba[static_cast<std::size_t>(4 * (200 * y + x))];
+    };
+    constexpr int kReach = 4;  // of the stroke and of what is looked at about it
+    int lightened = 0;
+    for (int y = kReach; y < 150 - kReach; ++y)
+        for (int x = kReach; x < 200 - kReach; ++x) {
+            bool is_inside = true;
+            for (int dy = -kReach; dy <= kReach; ++dy)
+                for (int dx = -kReach; dx <= kReach; ++dx)
+                    is_inside &= red(plain, x + dx, y + dy) > 0;
+            if (is_inside) EXPECT_LE(red(over, x, y), std::max<int>(red(plain, x, y), 15)) << x;
+            else lightened += red(over, x, y) > 200;
+        }
+    EXPECT_GT(lightened, 100);
 }
 
 TEST_F(RenderLines, AreTheSameWithSupersampling) {
