@@ -83,6 +83,7 @@ Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
     if (job.traced) {
         result["light_rays"] = outcome.light_rays;
         result["scene_ms"] = job.traced->build_ms();
+        if (job.config.ground) result["ground_height"] = ground_level(job.config, *job.traced);
     }
     if (job.wants("truth_distance")) result["truth_unknown_pixels"] = outcome.truth_unknown;
     if (!job.plan.exr.empty()) result["clamped_values"] = outcome.clamped;

@@ -36,8 +36,7 @@ Openness openness_of(const RenderConfig& config, const ModelHeader& header) {
 
 GroundPlane ground_of(const RenderConfig& config, const TracedModels& models) {
     const Vec3d up = up_vector(up_axis(config));
-    const auto height = ground_height(config);
-    return {up, height ? *height - dot(up, models.header().origin) : models.lowest(),
+    return {up, ground_level(config, models) - dot(up, models.header().origin),
             ground_color(config)};
 }
 
@@ -223,8 +222,19 @@ std::vector<const ModelHeader*> TracedModels::headers() const {
     return out;
 }
 
+double ground_level(const RenderConfig& config, const TracedModels& models) {
+    const double standing =
+        models.lowest() + dot(up_vector(up_axis(config)), models.header().origin);
+    return ground_height(config).value_or(standing);
+}
+
 double TracedModels::lowest_along(const Vec3d& up) const {
     double lowest = INFINITY;
+    for (const ScenePart& part : scene_->parts()) {
+        if (part.tree->sharp().empty()) continue;
+        for (const Vec3d& place : part.tree->header().hull)
+            lowest = std::min(lowest, dot(place + part.offset, up));
+    }
     for (const TraceModel& model : scene_->models()) {
         std::vector<double> heights;
         heights.reserve(model.records.size());

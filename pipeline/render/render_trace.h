@@ -40,7 +40,8 @@ public:
     std::span<const ScenePart> parts() const { return scene_->parts(); }
     double build_ms() const { return build_ms_; }
     /// Where a ground lies that the models stand on: a surfel of a thousand has its centre lower.
-    /// (The outlines of single surfels reach lower still; under those a model would hover.)
+    /// (The outlines of single surfels reach lower still; under those a model would hover.) Of one
+    /// with sharp surfels, whose outlines are its edges, nothing is lower.
     double lowest() const { return lowest_; }
 
 private:
@@ -53,6 +54,9 @@ private:
     double build_ms_ = 0;
     double lowest_ = 0;  ///< with a ground only
 };
+
+/// Where the ground cuts the up axis, world frame.
+double ground_level(const RenderConfig& config, const TracedModels& models);
 
 /// What shades a frame: lights and materials, and the rays that the picture is cast with, if it is.
 struct FrameLight {

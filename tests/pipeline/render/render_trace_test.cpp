@@ -2,6 +2,7 @@
 #include "slim/base/parallel.h"
 #include "tests/pipeline/render/render_test_support.h"
 #include "tests/pipeline/render/render_trace_support.h"
+#include "tests/raytrace/support/sharp_models.h"
 
 #include <gtest/gtest.h>
 
@@ -54,6 +55,24 @@ TEST_F(RenderTrace, TheGroundLiesUnderTheModelAndIsSeenThrough) {
     }
     EXPECT_GT(shadow, 100);
     EXPECT_GT(clear, 1000);
+}
+
+TEST_F(RenderTrace, TheGroundLiesUnderTheTipsOfSharpModels) {
+    SurfelTreeData tree = test::flat_tree(test::cube_leaves(), 2);
+    tree.header.origin = {0, 5, 0};
+    RenderConfig c = traced("x.png");
+    c.ground = true, c.up = "y";
+    write_model(file("m.slim"), tree, "{}");
+    const double of_centres = run(c)["ground_height"].get<double>();
+    // A tip that no surfel has its centre at.
+    tree.header.bounds = tree.header.drawn = {{-1, -1.5, -1}, {1, 1, 1}};
+    tree.header.hull = {{0, -1.5, 0}, {1, 1, 1}};
+    write_model(file("m.slim"), tree, "{}");
+    c.output = file("y.png");
+    EXPECT_GT(of_centres, 5 - 1.4);
+    EXPECT_NEAR(run(c)["ground_height"].get<double>(), 5 - 1.5, 1e-4);
+    c.output = file("z.png"), c.ground_height = "2.25";
+    EXPECT_EQ(run(c)["ground_height"], 2.25);
 }
 
 TEST_F(RenderTrace, ModelsStandWhereTheWorldHasThem) {
