@@ -169,6 +169,7 @@ void sort_all(UnfilledVector<Item>& items) {
 
 constexpr std::size_t kRowGrain = 16384;  // items a task
 constexpr std::size_t kManyAlike = 4;     // one in so many items
+constexpr std::size_t kLongestRow = 65536;  // that one thread may order
 
 /// Calls body(first, end) for the rows of two or more of n items in which is_as_before(i) holds of
 /// all but the first.
@@ -247,9 +248,13 @@ std::vector<std::uint32_t> order_by_key(
         return (items[i] ^ items[i - 1]) >> index_bits == 0;
     };
     std::atomic<std::size_t> n_alike = 0;
-    for_rows(n, is_as_before,
-             [&](std::size_t first, std::size_t end) { n_alike += end - first; });
-    if (left_out > 0 && n_alike > n / kManyAlike) return order_by_whole_key(keys, order_equal);
+    std::atomic<bool> is_long = false;
+    for_rows(n, is_as_before, [&](std::size_t first, std::size_t end) {
+        n_alike += end - first;
+        if (end - first > kLongestRow) is_long = true;
+    });
+    if (left_out > 0 && (is_long || n_alike > n / kManyAlike))
+        return order_by_whole_key(keys, order_equal);
     std::vector<std::uint32_t> order(n);
     const std::uint64_t index = (std::uint64_t{1} << index_bits) - 1;
     parallel_blocks(n, kRowGrain, [&](std::size_t begin, std::size_t end) {

@@ -41,8 +41,8 @@ Kind kind_of(const Spread& spread) { return is_on_line(spread) ? Kind::line : Ki
 
 /// Whether noise is as thick as k neighbours reach. With r, the ratio of the two least eigenvalues,
 /// the direction of the least has the standard error sqrt(r / k) / (1 - r) (first order
-/// perturbation of the covariance of k normal variates). Where two faces meet at right angles r is a quarter:
-/// 0.17 of 16.
+/// perturbation of the covariance of k normal variates). Where two faces meet at right angles r is
+/// a quarter: 0.17 of 16.
 bool is_doubtful(const Spread& s, std::size_t k) {
     const double ratio = s.middle > 0 ? s.smallest / s.middle : 1;
     return !(std::sqrt(ratio / static_cast<double>(k)) < kDoubtful * (1 - ratio));
@@ -73,70 +73,71 @@ std::vector<std::uint32_t> rows_on_lines(const NeighborGraph& graph,
     return out;
 }
 
-/// Estimates the normals of rows whose neighbours lie on a line from more of them: twice as many
-/// until they are a patch. Returns the rows that never have one; they are as they were. farthest:
-/// of a patch, in reaches of the neighbours that the graph lists; infinite: as far as may be
-std::vector<std::uint32_t> widen(PointBlock& points, const NearestSearch& search,
-                                 NeighborGraph& graph, std::vector<std::uint32_t> rows,
-                                 std::size_t k, double farthest) {
-    const std::size_t most = std::min(kMostOfPatch, points.size());
-    std::vector<std::uint32_t> alone;
-    while (!rows.empty() && k < most) {
-        k = std::min(2 * k, most);
-        std::vector<std::uint32_t> wanted;
-        for (const std::uint32_t row : rows) wanted.push_back(graph.points[row]);
-        enum : std::uint8_t { has_patch, left, too_far };
-        std::vector<std::uint8_t> state(rows.size());  // a byte each: threads write side by side
-        search.for_each(wanted, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
-            const std::uint32_t i = wanted[r];
-            const double near = sq_reach_of(points.position, i, graph.of(rows[r]));
-            if (sq_reach_of(points.position, i, neighbors) > farthest * farthest * near) {
-                state[r] = too_far;
-                return;
-            }
-            const Spread spread = spread_of(points.position, neighbors);
-            state[r] = spread.middle > kPatch * spread.largest ? has_patch : left;
-            if (state[r] == left) return;
-            points.normal[i] = normalized(to_float(spread.normal));
-            list_neighbors(graph, rows[r], neighbors);
-        });
-        std::size_t n_left = 0;
-        for (std::size_t r = 0; r < rows.size(); ++r) {
-            if (state[r] == left) rows[n_left++] = rows[r];
-            if (state[r] == too_far) alone.push_back(rows[r]);
-        }
-        rows.resize(n_left);
-    }
-    rows.insert(rows.end(), alone.begin(), alone.end());
-    return rows;
-}
+/// What more neighbours of a point show.
+enum class Shown : std::uint8_t { plane, nothing_yet, nothing };
 
-/// Estimates the normals of some rows from more neighbours, twice as many until their plane is
-/// known. Returns the rows that have one; the others are as they were.
-std::vector<std::uint32_t> widen_in_noise(PointBlock& points, const NearestSearch& search,
-                                          NeighborGraph& graph, std::vector<std::uint32_t> rows,
-                                          std::size_t k) {
+struct WidenedRows {
+    std::vector<std::uint32_t> found, left;  ///< those with a plane, and the others, as they were
+};
+
+/// Estimates the normals of some rows from more neighbours than k, twice as many until they show a
+/// plane, or are too many. judge(row, neighbors, spread): says which, and gives a plane's spread
+template <class Judge>
+WidenedRows widen(PointBlock& points, const NearestSearch& search, NeighborGraph& graph,
+                  std::vector<std::uint32_t> rows, std::size_t k, const Judge& judge) {
     const std::size_t most = std::min(kMostOfPatch, points.size());
-    std::vector<std::uint32_t> widened;
+    WidenedRows out;
     while (!rows.empty() && k < most) {
         k = std::min(2 * k, most);
         std::vector<std::uint32_t> wanted;
         for (const std::uint32_t row : rows) wanted.push_back(graph.points[row]);
-        std::vector<std::uint8_t> is_left(rows.size());  // a byte each: threads write side by side
+        std::vector<Shown> shown(rows.size());  // a byte each: threads write side by side
         search.for_each(wanted, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
-            const Spread spread = spread_of(points.position, neighbors);
-            is_left[r] = is_doubtful(spread, neighbors.size());
-            if (is_left[r]) return;
+            Spread spread;
+            shown[r] = judge(rows[r], neighbors, spread);
+            if (shown[r] != Shown::plane) return;
             points.normal[wanted[r]] = normalized(to_float(spread.normal));
             list_neighbors(graph, rows[r], neighbors);
         });
         std::size_t n_left = 0;
         for (std::size_t r = 0; r < rows.size(); ++r)
-            if (is_left[r]) rows[n_left++] = rows[r];
-            else widened.push_back(rows[r]);
+            if (shown[r] == Shown::nothing_yet) rows[n_left++] = rows[r];
+            else (shown[r] == Shown::plane ? out.found : out.left).push_back(rows[r]);
         rows.resize(n_left);
     }
-    return widened;
+    out.left.insert(out.left.end(), rows.begin(), rows.end());
+    return out;
+}
+
+/// Of rows whose neighbours lie on a line, until they are a patch; returns those that never have
+/// one. farthest: of a patch, in reaches of the neighbours that the graph lists; infinite: as far
+/// as may be
+std::vector<std::uint32_t> widen_lines(PointBlock& points, const NearestSearch& search,
+                                       NeighborGraph& graph, std::vector<std::uint32_t> rows,
+                                       std::size_t k, double farthest) {
+    const auto judge = [&](std::uint32_t row, std::span<const std::uint32_t> neighbors,
+                           Spread& spread) {
+        const std::uint32_t i = graph.points[row];
+        const double near = sq_reach_of(points.position, i, graph.of(row));
+        if (sq_reach_of(points.position, i, neighbors) > farthest * farthest * near)
+            return Shown::nothing;
+        spread = spread_of(points.position, neighbors);
+        return spread.middle > kPatch * spread.largest ? Shown::plane : Shown::nothing_yet;
+    };
+    return widen(points, search, graph, std::move(rows), k, judge).left;
+}
+
+/// Of rows in noise as thick as their neighbours reach, until their plane is known; returns those
+/// that have one.
+std::vector<std::uint32_t> widen_in_noise(PointBlock& points, const NearestSearch& search,
+                                          NeighborGraph& graph, std::vector<std::uint32_t> rows,
+                                          std::size_t k) {
+    const auto judge = [&](std::uint32_t, std::span<const std::uint32_t> neighbors,
+                           Spread& spread) {
+        spread = spread_of(points.position, neighbors);
+        return is_doubtful(spread, neighbors.size()) ? Shown::nothing_yet : Shown::plane;
+    };
+    return widen(points, search, graph, std::move(rows), k, judge).found;
 }
 
 /// Repeats take the normal of the point before, which is their only neighbour.
@@ -221,7 +222,8 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
     });
     const std::vector<std::uint32_t> on_lines = rows_on_lines(graph, rows, kinds);
     const double farthest = on_lines.size() < rows.size() ? kFarthestOfFew : INFINITY;
-    const std::vector<std::uint32_t> left = widen(points, search, graph, on_lines, k, farthest);
+    const std::vector<std::uint32_t> left =
+        widen_lines(points, search, graph, on_lines, k, farthest);
     const auto count = [&](const std::vector<std::uint32_t>& some) {
         return static_cast<std::size_t>(
             std::count_if(some.begin(), some.end(), [&](std::uint32_t row) {

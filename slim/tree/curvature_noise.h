@@ -14,10 +14,9 @@ struct SampledNodes {
 };
 
 /// The nodes that curvature_noise() is to look at, the same for every view: all of models up to
-/// 65,536 nodes, else 1,920 in 60 runs, so that few pages of the
-/// file are read for them: 0.5 MB. Of a sculpture of 238,542 such samples give what is the middle
-/// leaf between 44 and 55 in 100 of the area, evenly spaced ones anything: a third of the area
-/// lies in the first tenth of the nodes.
+/// 65,536 nodes, else 1,920 in 60 runs, so that few pages of the file are read for them: 0.5 MB. Of
+/// a sculpture of 238,542 such samples give what is the middle leaf between 44 and 55 in 100 of the
+/// area, evenly spaced ones anything: a third of the area lies in the first tenth of the nodes.
 SampledNodes nodes_for_curvature_noise(const SurfelTree& tree);
 
 /// The curvature that a model's fit makes of what it does not know, noise of the points or bias,
