@@ -101,7 +101,9 @@ StepOutcome drawn(const JobStep& step, const Job& job, const RenderConfig& confi
     } catch (const Interrupted&) {
         throw;
     } catch (const StepError& error) {
-        if (!is_of_given(error.child, config, context))
+        Fault fault = error.child;
+        fault.problem = error.reason;
+        if (!is_of_given(fault, config, context))
             throw Error(error.code(), place + ": " + error.what());
         throw Error(error.code(), fmt::format("{} ({}, {})", error.reason, step.name, place));
     } catch (const Error& error) {

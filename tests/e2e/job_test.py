@@ -135,6 +135,11 @@ def same_pictures_of_a_model():
         at = message.find(expected)
         check(result.code == 2 and (at == 0 if expected[0] == "-" else at >= 0), f"{words}: {result.out}")
     check(run("slim", "render", "none.slim", "-o", "x", "--job", "view.toml").code == 3, "a missing model")
+    added = run("slim", "render", "out/model.slim", "-o", "x", "--job", "view.toml", "--mode", "raytrace",
+                "--add", "gone.slim", "--json")
+    message = added.json()["error"]["message"]
+    check(added.code == 3 and "gone.slim: cannot be opened" in message.split("(view")[0] and "(view " in message,
+          f"a file that an option named is the option's, not the job's: {added.out}")
 
 
 def only_what_changed():
