@@ -88,12 +88,13 @@ std::string apply_set(const std::string& text, const FieldList& fields) {
         return "";
     }
     const Field* field = fields.find(key);
-    if (!field)
-        throw ConfigError(
-            {.option = "--set " + text,
-             .problem = "unknown key '" + key + "'" +
-                        (fields.settings() ? "; " + fields.settings_help() : ""),
-             .hint = fields.settings() ? "" : did_you_mean(key, keys_of(fields))});
+    if (!field) {
+        Fault fault = unknown_key(key, fields);
+        if (fields.settings())
+            fault = {.problem = fault.problem + "; " + fields.settings_help()};
+        fault.option = "--set " + text;
+        throw ConfigError(fault);
+    }
     field->set(items_of(*field, {text.substr(equals + 1)}),
                {.key = key, .option = "--set " + key});
     return key;

@@ -250,4 +250,13 @@ std::vector<std::string> keys_of(const FieldList& fields) {
     return keys;
 }
 
+Fault unknown_key(const std::string& key, const FieldList& fields) {
+    const std::vector<std::string> known = keys_of(fields);
+    Fault fault{.problem = "unknown key '" + key + "'", .hint = did_you_mean(key, known)};
+    if (fault.hint.empty())
+        fault.expected = fmt::format("{}{}", known.size() > 1 ? "one of " : "",
+                                     fmt::join(known, ", "));
+    return fault;
+}
+
 }  // namespace slim

@@ -191,4 +191,7 @@ std::string canonical_config(const FieldList& fields);
 
 std::vector<std::string> keys_of(const FieldList& fields);
 
+/// That a key is none of these, with the nearest one; with all of them where none is near.
+Fault unknown_key(const std::string& key, const FieldList& fields);
+
 }  // namespace slim

@@ -1,7 +1,6 @@
 #include "pipeline/toml_file.h"
 
 #include "slim/base/error.h"
-#include "slim/base/nearest_name.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -263,12 +262,8 @@ void set_value(TomlTable& root, const std::string& key_equals_value) {
 void apply_table(const TomlTable& table, const FieldList& fields, const fs::path& file) {
     for (const TomlValue& value : table.values) {
         const Field* field = fields.find(value.key);
-        if (!field) {
-            Fault fault = toml_fault(file, value.line);
-            fault.problem = "unknown key '" + value.key + "'";
-            fault.hint = did_you_mean(value.key, keys_of(fields));
-            throw ConfigError(fault);
-        }
+        if (!field)
+            throw ConfigError(unknown_key(value.key, fields)).at(toml_fault(file, value.line));
         const Fault where = toml_fault(file, value.line, value.key);
         check_type(value, *field, where);
         field->set(items_for(*field, value, file.parent_path()), where);

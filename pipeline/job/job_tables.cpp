@@ -30,11 +30,15 @@ const TomlTable* find_table(const TomlTable& in, const std::string& name, const 
 
 void check_tables(const TomlTable& in, const std::vector<std::string>& known,
                   const fs::path& file) {
-    for (const TomlTable& table : in.tables)
-        if (std::find(known.begin(), known.end(), table.name) == known.end())
-            throw ConfigError({.problem = "unknown table [" + table.name + "]",
-                               .hint = did_you_mean(table.name, known)})
-                .at(toml_fault(file, table.line));
+    for (const TomlTable& table : in.tables) {
+        if (std::find(known.begin(), known.end(), table.name) != known.end()) continue;
+        Fault fault{.problem = "unknown table [" + table.name + "]",
+                    .hint = did_you_mean(table.name, known)};
+        if (fault.hint.empty())
+            fault.expected = known.empty() ? "keys alone within [" + in.name + "]"
+                                           : fmt::format("{}", fmt::join(known, ", "));
+        throw ConfigError(fault).at(toml_fault(file, table.line));
+    }
 }
 
 void check_top_keys(const TomlTable& root, const fs::path& file) {

@@ -190,6 +190,8 @@ TEST(CommandLine, SuggestsTheNearestOption) {
     EXPECT_EQ(refusal({"--thread=3"}), "unknown option --thread (did you mean '--threads'?)");
     EXPECT_EQ(refusal({"--set", "degre=3"}),
               "--set degre=3: unknown key 'degre' (did you mean 'degree'?)");
+    EXPECT_NE(refusal({"--set", "qqqqqqqqqq=3"}).find("unknown key 'qqqqqqqqqq': expected one of "),
+              std::string::npos);
 }
 
 TEST(CommandLine, RefusesWhatMakesNoSense) {

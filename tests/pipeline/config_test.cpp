@@ -3,6 +3,7 @@
 #include "pipeline/toml_file.h"
 #include "slim/base/error.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -229,6 +230,14 @@ TEST(TomlFile, NamesLineAndNearestKeyOfAnUnknownOne) {
     SampleConfig config;
     EXPECT_EQ(refusal([&] { apply_config_file(file, fields_of(config)); }),
               file.string() + ":3: unknown key 'degre' (did you mean 'degree'?)");
+}
+
+TEST(TomlFile, NamesAllKeysWhereNoneIsNearAnUnknownOne) {
+    const fs::path file = write_file("far.toml", "qqqqqqqqqq = 3\n");
+    SampleConfig config;
+    const std::string said = refusal([&] { apply_config_file(file, fields_of(config)); });
+    const std::string start = file.string() + ":1: unknown key 'qqqqqqqqqq': expected one of ";
+    EXPECT_EQ(said, start + fmt::format("{}", fmt::join(keys_of(fields_of(config)), ", ")));
 }
 
 TEST(TomlFile, AListMayBeWrittenAsOnACommandLine) {
