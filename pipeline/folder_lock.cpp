@@ -53,7 +53,7 @@ bool lock(int descriptor, FolderLock::Hold hold) {
 }  // namespace
 
 int FolderLock::open_folder(const std::string& folder, Hold hold) {
-    made_it_ = hold == Hold::alone && make_folders(folder);
+    if (hold == Hold::alone) make_folders(folder);
     const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0 && hold == Hold::alone)
         throw IoError(

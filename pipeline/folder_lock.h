@@ -21,14 +21,11 @@ public:
     ~FolderLock();
     FolderLock(const FolderLock&) = delete;
     FolderLock& operator=(const FolderLock&) = delete;
-    /// Whether there was no such folder before.
-    bool made_it() const { return made_it_; }
 
 private:
     /// -1 if it is missing and not to be made.
     int open_folder(const std::string& folder, Hold hold);
 
-    bool made_it_ = false;
     int descriptor_ = -1;  ///< -1: nothing is held
 };
 

@@ -157,12 +157,12 @@ void check_output(const BuildConfig& config) {
 std::string own_work(const BuildConfig& config) { return config.output + ".work"; }
 
 /// Locked by the caller.
-WorkFolder claim_work(const BuildConfig& config, bool existed, Reporter& reporter) {
+WorkFolder claim_work(const BuildConfig& config, Reporter& reporter) {
     if (!config.work.empty()) {
         unmark_work(config.work);
         return {config.work};
     }
-    WorkFolder work = claim_own_work(own_work(config), existed);
+    WorkFolder work = claim_own_work(own_work(config));
     if (!work.is_own)
         reporter.info(work.path + ": was sliced by itself, so it is used and kept");
     return work;
@@ -274,7 +274,7 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     } else {
         if (config.color) require_colors(config.inputs);
         const FolderLock lock(work);
-        const WorkFolder folder = claim_work(config, !lock.made_it(), context.reporter);
+        const WorkFolder folder = claim_work(config, context.reporter);
         BuildState state{HandedPoints(folder.is_own), folder};
         try {
             result = build_in(config, state, stamp, context);

@@ -110,14 +110,13 @@ bool remove_named(const fs::path& folder, const Names& names) {
 
 }  // namespace
 
-WorkFolder claim_own_work(const std::string& path, bool existed) {
+WorkFolder claim_own_work(const std::string& path) {
     WorkFolder out{path};
     out.had_plan = fs::exists(plan_path(path));
     out.is_own = is_marked(path);
     out.stays = is_link(path);
     if (out.is_own) return out;
     if (entries_of(path).empty()) {
-        out.stays |= existed;
         mark(path);
         out.is_own = true;
         return out;

@@ -7,20 +7,18 @@ namespace slim {
 
 /// The folder of a build's intermediate files: one that --work names, which is kept, or
 /// `<output>.work`. The latter is the build's own, and goes with its end, if it bears a mark: a
-/// file that a build puts into a folder that it made or found empty. One without, which `slim
-/// slice` filled, is used and kept.
+/// file that a build puts into a folder that it made or found empty, as a kill between making and
+/// marking leaves it. One without, which `slim slice` filled, is used and kept.
 struct WorkFolder {
     std::string path;
     bool is_own = false;
-    /// of an own one: it was there, empty, or is a link: its files go alone
-    bool stays = false;
+    bool stays = false;  ///< of an own one: it is a link: its files go alone
     bool had_plan = false;  ///< before this build
 };
 
-/// `<output>.work`, locked by the caller, for a build that was given no other; `existed`: the lock
-/// did not make it.
+/// `<output>.work`, locked by the caller, for a build that was given no other.
 /// throws ConfigError if there are files in it that neither a build nor `slim slice` put there
-WorkFolder claim_own_work(const std::string& path, bool existed);
+WorkFolder claim_own_work(const std::string& path);
 
 /// A folder that someone names is theirs, also if a killed build left it.
 /// throws Error, exit code `temporary`, if a build of another process is at work in it

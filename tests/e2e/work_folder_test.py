@@ -96,8 +96,11 @@ def named_folders():
 def empty_folders_and_links():
     clean()
     work.mkdir()
-    check(build().code == 0 and os.listdir(work) == [], "an empty folder is used, and left empty")
-    check(build("--force", cloud="missing.ply").code == 3 and work.exists(), "an empty folder and a missing input")
+    check(build().code == 0 and not work.exists(), "what a build leaves that is killed before its mark stays for good")
+    work.mkdir()
+    check(build("--force", cloud="missing.ply").code == 3 and not work.exists(), "an empty folder and a missing input")
+    work.mkdir()
+    check(build("--work", "a.slim.work").code == 0 and (work / "plan.json").exists(), "an empty folder of --work")
     clean()
     elsewhere.mkdir()
     work.symlink_to("elsewhere")

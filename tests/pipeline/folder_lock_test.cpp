@@ -81,13 +81,5 @@ TEST(FolderLock, OnlyTheOneThatBeginsMakesTheFolder) {
     EXPECT_TRUE(std::filesystem::exists(folder.file("alone")));
 }
 
-TEST(FolderLock, SaysWhetherItMadeTheFolder) {
-    const TempFolder folder;
-    const std::string work = folder.file("above/work");
-    EXPECT_TRUE(FolderLock(work).made_it());
-    EXPECT_FALSE(FolderLock(work).made_it());
-    EXPECT_FALSE(FolderLock(work, Hold::shared).made_it());
-}
-
 }  // namespace
 }  // namespace slim::test
