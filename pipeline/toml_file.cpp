@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 
 namespace slim {
 namespace {
@@ -127,24 +128,87 @@ std::string trimmed(const std::string& text) {
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-/// The key of "key = value", "[table]" of a table that may be there once, else "".
+/// The key of "key = value", "[table]" or "[[table]]", else "".
 std::string name_in(const std::string& line) {
     const std::string text = trimmed(line);
-    if (text.starts_with('[')) return text.starts_with("[[") || !text.ends_with(']') ? "" : text;
+    if (text.starts_with('[')) return text.substr(0, text.find_last_of(']') + 1);
     const std::size_t equals = text.find('=');
     return equals == std::string::npos || text.find('#') < equals ? ""
                                                                   : trimmed(text.substr(0, equals));
 }
 
+/// Goes through TOML that is sound up to some line, to tell what stands within values.
+class ValueScan {
+public:
+    explicit ValueScan(std::string_view text) : text_(text) { begin_line(0); }
+
+    /// For each line, whether it begins within a string or an array of several lines.
+    std::vector<bool> lines_within() {
+        for (std::size_t at = 0; at < text_.size(); ++at) {
+            if (text_[at] == '\n') end_line(at);
+            else if (!quote_.empty()) at += step_in_string(at);
+            else if (!comment_) at += step_outside(at);
+        }
+        return std::move(within_);
+    }
+
+private:
+    void begin_line(std::size_t at) {
+        within_.push_back(!quote_.empty() || depth_ > 0);
+        const std::size_t first = text_.find_first_not_of(" \t", at);
+        is_table_ = !within_.back() && first < text_.size() && text_[first] == '[';
+    }
+    void end_line(std::size_t at) {
+        comment_ = false;
+        if (quote_.size() == 1) quote_ = {};
+        begin_line(at + 1);
+    }
+    /// How many characters beyond this one are done with it.
+    std::size_t step_in_string(std::size_t at) {
+        if (text_.substr(at).starts_with(quote_)) {
+            const std::size_t length = quote_.size();
+            quote_ = {};
+            return length - 1;
+        }
+        const bool escapes = quote_[0] == '"' && text_[at] == '\\';
+        return escapes && text_.substr(at + 1, 1) != "\n" ? 1 : 0;
+    }
+    std::size_t step_outside(std::size_t at) {
+        const char c = text_[at];
+        if (c == '"' || c == '\'') {
+            const bool is_long = text_.substr(at, 3) == std::string(3, c);
+            quote_ = text_.substr(at, is_long ? 3 : 1);
+            return quote_.size() - 1;
+        }
+        comment_ = c == '#';
+        if (!is_table_) depth_ += (c == '[' || c == '{') - (c == ']' || c == '}');
+        return 0;
+    }
+
+    std::string_view text_;
+    std::string_view quote_;  ///< that ends the string; empty: in none
+    int depth_ = 0;           ///< of brackets
+    bool comment_ = false, is_table_ = false;
+    std::vector<bool> within_;
+};
+
+/// The keys and tables that a text's lines begin, "" of lines that go on with a value.
+std::vector<std::string> names_in(const std::string& text, const std::vector<std::string>& lines) {
+    const std::vector<bool> within = ValueScan(text).lines_within();
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        names.push_back(within[i] ? "" : name_in(lines[i]));
+    return names;
+}
+
 /// The line before that has the same key in the same table, or is the same [table]; 0 without one.
-std::size_t said_before(const std::vector<std::string>& lines, std::size_t at) {
-    const std::string name = name_in(lines[at]);
+std::size_t said_before(const std::vector<std::string>& names, std::size_t at) {
+    const std::string& name = names[at];
     const bool is_table = name.starts_with('[');
-    if (name.empty()) return 0;
+    if (name.empty() || name.starts_with("[[")) return 0;
     for (std::size_t i = at; i-- > 0;) {
-        const std::string other = name_in(lines[i]);
-        if (other == name) return i + 1;
-        if (!is_table && trimmed(lines[i]).starts_with('[')) return 0;
+        if (names[i] == name) return i + 1;
+        if (!is_table && names[i].starts_with('[')) return 0;
     }
     return 0;
 }
@@ -161,9 +225,9 @@ ConfigError not_toml(const fs::path& file, const std::string& text,
         fault.expected = "the rest of a value", fault.found = "the end of the file";
         return ConfigError(fault);
     }
-    if (const std::size_t before = said_before(lines, line)) {
-        fault.problem =
-            fmt::format("{} is there already, in line {}", name_in(lines[line]), before);
+    const std::vector<std::string> names = names_in(text, lines);
+    if (const std::size_t before = said_before(names, line)) {
+        fault.problem = fmt::format("{} is there already, in line {}", names[line], before);
         return ConfigError(fault);
     }
     fault.problem += fmt::format(", column {}", at.column);

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -270,12 +272,37 @@ TEST(TomlFile, SaysWhatIsNotTomlInItsOwnWords) {
         return what.substr(std::min(what.size(), file.string().size()));
     };
     EXPECT_EQ(said("degree = 1\n\ndegree = 2\n"), ":3: degree is there already, in line 1");
+    EXPECT_EQ(said("degree = '''\na\n''' # '\ndegree = 2\n"),
+              ":4: degree is there already, in line 1");
     const std::string bare = said("degree = 1\naov = shaded\n");
     EXPECT_TRUE(bare.starts_with(":2: not TOML, column ")) << bare;
     EXPECT_NE(bare.find("found 'aov = shaded'"), std::string::npos) << bare;
     const std::string open = said("degree = [1,\n");
     EXPECT_NE(open.find("not TOML"), std::string::npos) << open;
     EXPECT_EQ((bare + open).find("rror while parsing"), std::string::npos);
+}
+
+TEST(TomlFile, WhatStandsWithinAValueIsNoKeyThatIsThereAlready) {
+    const auto said = [](const std::string& text) {
+        const fs::path file = write_file("within.toml", text);
+        return refusal([&] { read_toml(file); }).substr(file.string().size());
+    };
+    const char* values[] = {
+        "a = \"\"\"\nb = 1\n\\\"\"\"\\\nb = 2\n\"\"\"\n",  // with quotes and a line's end escaped
+        "a = '''\nb = 1\n'''\n",
+        "a = [\n'b = 1', # ]\n\"]\",\n]\n",
+        "[a]\nb = 1\n[[c]] # '\n",
+        "a = '#' # \"\"\"\n[d]\nb = 1\n[c]\n",
+    };
+    for (const char* value : values) {
+        SCOPED_TRACE(value);
+        const std::string what = said(std::string(value) + "b = open\n");
+        EXPECT_EQ(what.find("already"), std::string::npos) << what;
+        EXPECT_NE(what.find("found 'b = open'"), std::string::npos) << what;
+        const auto lines = static_cast<int>(std::count(value, value + std::strlen(value), '\n'));
+        const std::string twice = said(std::string(value) + "b = 1\nb = 2\n");
+        EXPECT_EQ(twice, fmt::format(":{}: b is there already, in line {}", lines + 2, lines + 1));
+    }
 }
 
 TEST(TomlFile, RefusesWrongTypes) {
