@@ -117,10 +117,18 @@ Remedies remedies() {
     return runs_in_a_job() ? Remedies::of_a_job : Remedies::of_a_command;
 }
 
-/// What a fit's result says of sharp surfels, for the whole job and its reader.
-void take_sharp(const nlohmann::json& one, nlohmann::json& sum, Reporter& reporter) {
+/// What a result says of sharp surfels; the summary of a build says it itself, but in a job, which
+/// has none.
+void say_sharp(const nlohmann::json& result, const StageContext& context) {
+    const bool is_said_later = context.written && !runs_in_a_job();
+    if (const std::string text = edges_text(result, remedies()); !text.empty() && !is_said_later)
+        context.reporter.info(text);
+}
+
+/// For the whole job and its reader.
+void take_sharp(const nlohmann::json& one, nlohmann::json& sum, const StageContext& context) {
     sum.update(sharp_of(one));
-    if (const std::string text = edges_text(one, remedies()); !text.empty()) reporter.info(text);
+    say_sharp(one, context);
 }
 
 /// Two sheets closer to each other than their points tell apart become one, half-way, where no
@@ -190,7 +198,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         return_freed_memory();
         const auto coarse = fit_coarse(config, plan, rules, division, context);
         add_counts(coarse, sum);
-        take_sharp(coarse, sum, context.reporter);
+        take_sharp(coarse, sum, context);
         rules.sharp = coarse.at("sharp");  // for all slices
         rules.ask_for_edges = false;
         up_to_date &= coarse.contains("up_to_date");
@@ -201,12 +209,12 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         if (plan.slices.size() > 1) freed.begin_next();
         const auto one = fit_slice(config, plan, rules, slice, division, context);
         add_counts(one, sum);
-        if (plan.slices.size() == 1) take_sharp(one, sum, context.reporter);
+        if (plan.slices.size() == 1) take_sharp(one, sum, context);
         up_to_date &= one.contains("up_to_date");
     }
     if (is_sharp_by_faces(config, plan)) {
         sum["sharp_by_faces"] = true;
-        context.reporter.info(edges_text(sum, remedies()));
+        say_sharp(sum, context);
     }
     if (!up_to_date) warn_of_merged_sheets(noise, sum, context.reporter);
     sum["noise_variance"] = noise.noise_variance;

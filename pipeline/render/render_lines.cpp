@@ -5,6 +5,7 @@
 #include "pipeline/input_kind.h"
 #include "pipeline/render/render_line_choice.h"
 #include "pipeline/render/render_view.h"
+#include "pipeline/stage.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/lines/lines_svg.h"
 #include "raytrace/lines/one_stroke.h"
@@ -58,8 +59,8 @@ std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector
         if (!without.insert(line_word(kind)).second) continue;
         const std::string why = what_lacks(kind, config.model, model.degree);
         if (choice.n_words == 1) throw ConfigError(why);
-        // Of a model without edges, as --sharp auto makes of most scans, nothing is missing.
-        if (is_crease(kind))
+        // A job asks for them of any scan; of one without edges nothing is missing then.
+        if (is_crease(kind) && runs_in_a_job())
             reporter.info(why + "; they are left out");
         else
             reporter.warn(why + "; they are left out");

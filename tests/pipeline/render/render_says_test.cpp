@@ -40,6 +40,16 @@ protected:
 
 bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
+TEST_F(RenderSays, CreasesThatAModelHasNotAreWarnedOfWhereACommandAsksForThem) {
+    RenderConfig c = config("x.png");
+    c.lines = {"crease", "contour"};
+    const std::string warnings = warnings_of(c);
+    EXPECT_TRUE(has(warnings, "crease lines") && has(warnings, "left out")) << warnings;
+    setenv(kErrorsByParent, "1", 1);
+    EXPECT_EQ(warnings_of(c), "");  // a style is for scans with and without edges
+    unsetenv(kErrorsByParent);
+}
+
 TEST_F(RenderSays, NoColourOfADataFileIsInfinite) {
     RenderConfig c = config("x.exr");
     c.light = "sun azimuth=0 elevation=60 power=1e6";
