@@ -65,8 +65,44 @@ void drop_repeated(json& info) {
     for (const char* key : {"fits", "rules", "orphans", "childless"}) info["provenance"].erase(key);
 }
 
+/// Up to eight names, and how many more there are.
+std::string some_of(const json& files) {
+    constexpr std::size_t kMost = 8;
+    std::vector<std::string> names;
+    for (const json& file : files)
+        if (names.size() < kMost) names.push_back(file.at("path").get<std::string>());
+    const std::string more =
+        files.size() > kMost ? fmt::format(" and {} more", files.size() - kMost) : "";
+    return names.empty() ? "none" : fmt::format("{}{}", fmt::join(names, ", "), more);
+}
+
+/// Of a manifest what a person looks for: what was made of what, when and at what cost.
+void shorten_manifest(json& info) {
+    const json whole = info.at("contents");
+    info.erase("contents");
+    for (const char* key :
+         {"stage", "program", "finished", "host", "threads", "seconds", "peak_memory_bytes"})
+        if (whole.contains(key)) info[key] = whole.at(key);
+    for (const char* key : {"inputs", "outputs"})
+        if (whole.contains(key)) info[key] = some_of(whole.at(key));
+    info["rest"] = "settings, hashes and results: --json";
+}
+
+/// Without what would fill a screen; --json has it.
+json shortened(json info) {
+    const std::string kind = info.value("kind", "");
+    if (kind == "manifest") shorten_manifest(info);
+    if (info.contains("metadata") && info.at("metadata").contains("slim:config"))
+        info["metadata"]["slim:config"] = "all options of the picture: --json";
+    return info;
+}
+
 /// What the file is and how much of it first.
 std::string summary_of(json info) {
+    try {
+        info = shortened(info);
+    } catch (const json::exception&) {  // a manifest that someone edited: whole, then
+    }
     if (info.value("kind", "") == "model" && info.at("fit").value("degree", json()) == "auto")
         info["degree"] =
             fmt::format("auto: of each leaf its own, up to {}", info.at("degree").get<int>());

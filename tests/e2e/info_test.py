@@ -90,6 +90,23 @@ def records():
         check(result.code == 3 and row in result.err, f"{text!r}: {result.code} {result.err}")
 
 
+def short_for_people():
+    """Manifests and pictures hold all options: for programs; a person is told what was made of what."""
+    manifest = run("slim", "info", "m.slim.done.json").out
+    check(len(manifest.splitlines()) < 16 and "t_mdl" not in manifest, f"a manifest: {manifest}")
+    for part in ("slim build", "c.ply, c.scans.json", "m.slim\n", "finished", "seconds", "--json"):
+        check(part in manifest, f"a manifest does not say {part}: {manifest}")
+    for name in ("x.png", "y.exr"):
+        picture = run("slim", "info", name).out
+        check(len(picture.splitlines()) < 40 and "ortho_width" not in picture, f"{name}: {picture}")
+        check("slim:camera" in picture and "--json" in picture, f"{name}: {picture}")
+    whole = info("m.slim.done.json", kind="manifest").get("contents", {})
+    check("t_mdl" in whole.get("config", "") and whole.get("result", {}).get("leaves", 0) > 0, f"--json: {whole}")
+    check("ortho_width" in info("x.png").get("metadata", {}).get("slim:config", ""), "--json of a picture")
+    (folder / "edited.done.json").write_text('{"stage": "build", "config_hash": 1, "inputs": [3], "outputs": "x"}')
+    check(run("slim", "info", "edited.done.json").code == 0, "an edited manifest")
+
+
 def unknown():
     """What is of no known kind: what it seems to be, and which kinds there are."""
     (folder / "README.md").write_text("# SLIM\n\nWords.\n")
@@ -171,6 +188,7 @@ run("slim", "slice", "c.ply", "-o", "w", "--slices", 2)
 run("slim", "measure", "m.slim", "c.ply", "--per-point", "points.ply", "-o", "measured.json")
 kinds()
 records()
+short_for_people()
 unknown()
 printed_size()
 false_truths()
