@@ -58,7 +58,24 @@ bool names_input(const JobSource& source) {
                        [](const auto& text) { return text.starts_with("input."); });
 }
 
+/// A file that is there, or a name that no style has. A folder of results may have a style's.
+bool is_path(const fs::path& job) {
+    return (fs::exists(job) && !fs::is_directory(job)) || job.has_extension() ||
+           job.has_parent_path();
+}
+
+/// The ready style of that name, empty if there is none.
+fs::path style_file(const std::string& name) {
+    const fs::path file = style_folder() / (name + ".toml");
+    return fs::exists(file) ? fs::weakly_canonical(file) : fs::path();
+}
+
 }  // namespace
+
+fs::path style_alone(const JobSource& source) {
+    const bool is_alone = source.clouds.empty() && source.output.empty() && source.settings.empty();
+    return is_alone && !is_path(source.job) ? style_file(source.job) : fs::path();
+}
 
 fs::path job_file(const JobSource& source) {
     const fs::path named = source.job;
@@ -74,17 +91,15 @@ fs::path job_file(const JobSource& source) {
              .expected = fmt::format("a job file or a ready style before it, such as: {}",
                                      shell_line({"slim", "run", "plate", source.job})),
              .hint = fmt::format("styles: {}", fmt::join(style_names(), ", "))});
-    // A folder of results may have a style's name.
-    const bool is_file = fs::exists(named) && !fs::is_directory(named);
-    if (is_file || named.has_extension() || named.has_parent_path()) return named;
-    if (const fs::path file = style_folder() / (source.job + ".toml"); fs::exists(file)) {
+    if (is_path(source.job)) return named;
+    if (const fs::path file = style_file(source.job); !file.empty()) {
         if (!names_input(source))
             throw ConfigError(
                 {.file = source.job,
                  .problem = fmt::format("a ready style is for clouds that are named after it: "
                                         "slim run {} scan.ply",
                                         source.job)});
-        return fs::weakly_canonical(file);
+        return file;
     }
     const auto known = style_names();
     if (known.empty())

@@ -30,6 +30,10 @@ struct JobSource {
 /// the styles for any other name and for a cloud; for a style without a cloud, saying so.
 std::filesystem::path job_file(const JobSource& source);
 
+/// The file of a ready style that is named with nothing beside it, neither clouds nor anything that
+/// would change it; else empty.
+std::filesystem::path style_alone(const JobSource& source);
+
 /// The settings, those that clouds and output stand for first.
 std::vector<std::string> job_settings(const JobSource& source);
 

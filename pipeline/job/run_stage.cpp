@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <set>
 
 namespace slim {
@@ -43,10 +44,17 @@ void warn_of_old_pictures(const Job& job, Reporter& reporter) {
                                   fmt::join(old, ", ")));
 }
 
+std::string text_of_file(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
 }  // namespace
 
 std::string resolved_run(const RunConfig& config) {
-    return config.job.empty() ? "" : resolved_job(job_file(config), job_settings(config));
+    if (config.job.empty()) return "";
+    if (const fs::path style = style_alone(config); !style.empty()) return text_of_file(style);
+    return resolved_job(job_file(config), job_settings(config));
 }
 
 json run_job(const RunConfig& config, StageContext& context) {

@@ -16,7 +16,8 @@ using RunConfig = JobSource;
 /// writes its page. Fails as the step that failed, with its exit code.
 nlohmann::json run_job(const RunConfig& config, StageContext& context);
 
-/// For --print-config: the job as it would be run (resolved_job); empty without a job.
+/// For --print-config: the job as it would be run (resolved_job), a ready style without clouds as
+/// its file has it; empty without a job.
 std::string resolved_run(const RunConfig& config);
 
 }  // namespace slim

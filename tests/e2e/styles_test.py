@@ -42,6 +42,13 @@ def every_style():
 def folders_and_names():
     result = run("slim", "run", "plate", "scan.ply", "-o", "else where", "--set", "render.size=64x64", "--set", "fit.degree=1")
     check(result.code == 0 and (harness.folder / "else where/top.shaded.png").exists(), result.err)
+    own = run("slim", "run", "plate", "--print-config")
+    styles = harness.bin.parent.parent / "configs" / "styles"
+    check(own.code == 0 and own.out == (styles / "plate.toml").read_text(), f"a style's own file: {own.out} {own.err}")
+    whole = run("slim", "run", "plate", "scan.ply", "--print-config").out
+    check("scan.ply" in whole and "schema_version" in whole, f"a style with a cloud: {whole}")
+    for words in (["--print-config", "--set", "fit.degree=1"], ["--print-config", "-o", "x"], []):
+        check(run("slim", "run", "plate", *words).code == 2, f"a style without a cloud, {words}")
     wrong = run("slim", "run", "plates", "scan.ply")
     check(wrong.code == 2 and "plate" in wrong.err, wrong.err)
     # Edges are for the build to find: sharp surfels scratch a smooth scan.
