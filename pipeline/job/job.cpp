@@ -235,12 +235,25 @@ private:
 
 fs::path page_target(const Job& job) { return manifest_path(job.folder, "run"); }
 
+namespace {
+
+Job unless_refused(Job job) {
+    if (!job.refused.empty()) throw ConfigError(job.refused[0]);
+    return job;
+}
+
+}  // namespace
+
 Job read_job(const fs::path& file, const std::vector<std::string>& settings) {
+    return unless_refused(read_job_to_explain(file, settings));
+}
+
+Job read_job_to_explain(const fs::path& file, const std::vector<std::string>& settings) {
     return JobReader(file, settings).read();
 }
 
 Job read_drawing(const fs::path& file, const JobDrawing& drawing) {
-    return JobReader(file, {}).read_drawing(drawing);
+    return unless_refused(JobReader(file, {}).read_drawing(drawing));
 }
 
 std::string model_remedy(const BuildStages& stages, const std::string& key,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pipeline/toml_file.h"
+#include "slim/base/error.h"
 
 #include <filesystem>
 #include <string>
@@ -60,6 +61,8 @@ struct Job {
     bool html = true;
     std::vector<JobStep> steps;
     BuildStages stages;
+    /// What views ask for alone and no model of this [fit] has; read_job refuses it.
+    std::vector<ConfigError> refused;
     std::vector<std::string> left_out;  ///< "curvature: no AOV and no line asks for it"
     std::vector<std::string> uncertain;  ///< "view front: crease lines: drawn if the points ..."
     std::vector<std::string> missing;   ///< "view front: crest lines: they
@@ -71,6 +74,10 @@ struct Job {
 /// name), a wrong type, a value out of range, no input, or two views of one name; IoError if the
 /// file cannot be read.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
+
+/// The same of a job that asks for what its [fit] does not give: it says so (refused).
+Job read_job_to_explain(const std::filesystem::path& file,
+                        const std::vector<std::string>& settings = {});
 
 /// What is drawn of a model that is there already, in place of what a job's [input] and [fit] make.
 struct JobDrawing {
@@ -90,7 +97,8 @@ Job read_drawing(const std::filesystem::path& file, const JobDrawing& drawing);
 /// Where the page's step leaves its manifest.
 std::filesystem::path page_target(const Job& job);
 
-/// The steps in order, what is left out and why, and what will be missing, for people.
+/// What is refused, the steps in order, what is left out and why, and what will be missing, for
+/// people.
 std::string explanation_of(const Job& job);
 
 }  // namespace slim

@@ -108,6 +108,7 @@ MissingInViews missing_in_views(std::span<const AskedView> views, const BuildSta
     MissingInViews out;
     const int degree = model_degree(stages);
     for (const AskedView& view : views) {
+        if (view.refused) continue;
         std::set<std::string> said;
         for (const LineKind kind :
              line_choice(view.render, view.aovs, degree, stages.sharp == "on").lacking)

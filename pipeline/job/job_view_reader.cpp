@@ -117,13 +117,13 @@ private:
         view.name = own_name;
         try {
             check_view_name(view.name);
-            check_view_of_fit(view.aovs, render, job_.stages);
         } catch (const ConfigError& error) {
             throw error.at(toml_fault(file_, table.line));
         }
+        const bool is_refused = is_beyond_fit(view.aovs, render, table);
         if (!names_.insert(view.name).second) refuse_second(view.name, table);
         check_rays(render, view.aovs, table);
-        asked_.push_back({view.name, view.aovs, render});
+        asked_.push_back({view.name, view.aovs, render, is_refused});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
         step.line = table.line;
         for (const fs::path& file : files_read(options)) step.inputs.push_back(file);
@@ -238,6 +238,18 @@ private:
             check_tracing(render, aovs);
         } catch (const ConfigError& error) {
             throw error.at(toml_fault(file_, table.line));
+        }
+    }
+
+    /// Whether it asks for what models of [fit] have not, and notes that.
+    bool is_beyond_fit(const std::vector<std::string>& aovs, const RenderConfig& render,
+                       const TomlTable& table) {
+        try {
+            check_view_of_fit(aovs, render, job_.stages);
+            return false;
+        } catch (const ConfigError& error) {
+            job_.refused.push_back(error.at(toml_fault(file_, table.line)));
+            return true;
         }
     }
 

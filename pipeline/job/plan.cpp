@@ -48,7 +48,11 @@ std::string list_of(const char* heading, const std::vector<std::string>& reasons
 }  // namespace
 
 std::string explanation_of(const Job& job) {
-    std::string text = "`slim run` does, in this order:\n";
+    std::vector<std::string> refused;
+    for (const ConfigError& error : job.refused) refused.emplace_back(error.what());
+    std::string text = list_of("`slim run` refuses this job:\n", refused);
+    text += refused.empty() ? "`slim run` does, in this order:\n"
+                            : "Without that it would do, in this order:\n";
     for (const JobStep& step : job.steps)
         text +=
             fmt::format("  {}: slim {} {}\n", step.name, step.verb, shell_line(step.arguments)) +

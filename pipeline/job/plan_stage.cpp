@@ -73,11 +73,8 @@ void refuse_without_effect(const PlanConfig& config, int threads_given) {
                         threads_given));
 }
 
+/// In the form that the config names.
 std::string text_of(const PlanConfig& config, int threads_given) {
-    if (config.explain) {
-        const Job job = read_job(job_file(config.source), job_settings(config.source));
-        return explanation_of(job) + memory_text(job);
-    }
     const Job job =
         read_job(std::filesystem::absolute(job_file(config.source)), job_settings(config.source));
     const std::filesystem::path programs = program_folder();
@@ -95,8 +92,12 @@ std::string text_of(const PlanConfig& config, int threads_given) {
 nlohmann::json run_plan(const PlanConfig& config, StageContext& context) {
     check_memory(config);
     refuse_without_effect(config, context.threads_given);
-    const Job job = read_job(job_file(config.source), job_settings(config.source));
-    context.text = text_of(config, context.threads_given);
+    const auto read = config.explain ? read_job_to_explain : read_job;
+    const Job job = read(job_file(config.source), job_settings(config.source));
+    context.text = config.explain ? explanation_of(job) + memory_text(job)
+                                  : text_of(config, context.threads_given);
+    std::vector<std::string> refused;
+    for (const ConfigError& error : job.refused) refused.emplace_back(error.what());
     nlohmann::json steps = nlohmann::json::array();
     for (const JobStep& step : job.steps)
         steps.push_back({{"name", step.name},
@@ -107,6 +108,7 @@ nlohmann::json run_plan(const PlanConfig& config, StageContext& context) {
     return {{"folder", job.folder.string()},
             {"steps", steps},
             {"left_out", job.left_out},
+            {"refused", refused},
             {"missing", job.missing},
             {"uncertain", job.uncertain},
             {"text", context.text}};

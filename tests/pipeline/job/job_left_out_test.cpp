@@ -141,5 +141,31 @@ TEST(Job, SaysWhatWillBeMissing) {
         EXPECT_NE(all.find(aov), std::string::npos) << aov << all;
 }
 
+TEST(Job, ExplainsWhatARunRefuses) {
+    const std::string begin = "[input]\nfiles = ['a.ply']\n[fit]\ndegree = 2\n";
+    const auto file = write_job(begin + "[[view]]\nname = 'v'\nlines = ['crest']\n" +
+                                "[[view]]\nname = 'w'\naovs = ['e1']\n[[view]]\nname = 'x'\n");
+    const Job job = read_job_to_explain(file);
+    ASSERT_EQ(job.refused.size(), 2u);
+    EXPECT_EQ(job.refused[0].what(),
+              file.string() + ":5: lines crest need third derivatives, which a model of degree 2 "
+                              "does not have: expected degree = 3 in [fit]");
+    const std::string text = explanation_of(job);
+    EXPECT_TRUE(text.starts_with("`slim run` refuses this job:\n  " +
+                                 std::string(job.refused[0].what()) + "\n"))
+        << text;
+    EXPECT_NE(text.find(":8: aov e1 needs"), std::string::npos) << text;
+    EXPECT_NE(text.find("view x: slim render"), std::string::npos) << text;
+    EXPECT_TRUE(job.missing.empty()) << job.missing[0];  // said once
+    try {
+        read_job(file);
+        ADD_FAILURE() << "a run takes it";
+    } catch (const ConfigError& error) {
+        EXPECT_STREQ(error.what(), job.refused[0].what());
+    }
+    const std::string sound = explanation_of(read_job(write_job(begin + "[[view]]\n")));
+    EXPECT_TRUE(sound.starts_with("`slim run` does, in this order:\n")) << sound;
+}
+
 }  // namespace
 }  // namespace slim::test
