@@ -8,6 +8,7 @@
 #include "pipeline/option_names.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/signals.h"
+#include "pipeline/told_error.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
@@ -257,6 +258,9 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
         watch_signals();  // may find no room for its thread
         work(stage, argc, argv);
         return 0;
+    } catch (const ToldError& error) {
+        return report_failure(stage, asks_json(argc, argv), error.code(), error.what(),
+                              error.parts);
     } catch (const Error& error) {
         const bool usage = error.code() == ExitCode::usage;
         const Fault fault =

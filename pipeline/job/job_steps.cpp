@@ -22,12 +22,16 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// The parts of a fault that a step's own answer has: those that name what it is of.
+/// The parts of a fault that a step's own answer has beside its message.
 Fault fault_in(const json& error) {
     return {.file = error.value("file", ""),
             .line = error.value("line", 0),
+            .said_by = error.value("said_by", ""),
             .key = error.value("key", ""),
-            .option = error.value("option", "")};
+            .option = error.value("option", ""),
+            .expected = error.value("expected", ""),
+            .found = error.value("found", ""),
+            .hint = error.value("hint", "")};
 }
 
 [[noreturn]] void fail(const JobStep& step, const ChildResult& child) {

@@ -2,6 +2,7 @@
 
 #include "pipeline/job/job.h"
 #include "pipeline/stage.h"
+#include "pipeline/told_error.h"
 #include "slim/base/error.h"
 
 #include <nlohmann/json.hpp>
@@ -24,13 +25,11 @@ struct StepOutcome {
 };
 
 /// A step that failed: its exit code, what() with the step's name first, and without it.
-struct StepError : Error {
-    StepError(ExitCode code, const std::string& step, std::string its_reason, Fault its_child)
-        : Error(code, step + ": " + its_reason),
-          reason(std::move(its_reason)),
-          child(std::move(its_child)) {}
+struct StepError : ToldError {
+    StepError(ExitCode code, const std::string& step, std::string its_reason, Fault its_parts)
+        : ToldError(code, step + ": " + its_reason, std::move(its_parts)),
+          reason(std::move(its_reason)) {}
     std::string reason;
-    Fault child;  ///< what it is of: file, line, key and option
 };
 
 /// Runs a step as a child process beside this one, which skips what is up to date. Throws

@@ -101,11 +101,12 @@ StepOutcome drawn(const JobStep& step, const Job& job, const RenderConfig& confi
     } catch (const Interrupted&) {
         throw;
     } catch (const StepError& error) {
-        Fault fault = error.child;
+        Fault fault = error.parts;
         fault.problem = error.reason;
         if (!is_of_given(fault, config, context))
-            throw Error(error.code(), place + ": " + error.what());
-        throw Error(error.code(), fmt::format("{} ({}, {})", error.reason, step.name, place));
+            throw ToldError(error.code(), place + ": " + error.what(), error.parts);
+        throw ToldError(error.code(), fmt::format("{} ({}, {})", error.reason, step.name, place),
+                        error.parts);
     } catch (const Error& error) {
         throw Error(error.code(), place + ": " + error.what());
     }

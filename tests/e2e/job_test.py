@@ -142,6 +142,29 @@ def same_pictures_of_a_model():
           f"a file that an option named is the option's, not the job's: {added.out}")
 
 
+def explained():
+    """A job that run refuses is explained, with the fault; no plan is made of it."""
+    (harness.folder / "crest.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[fit]\ndegree = 2\n[[view]]\nlines = ["crest"]\n')
+    told = run("slim", "plan", "crest.toml", "--explain")
+    fault = "crest.toml:5: lines crest need third derivatives"
+    check(told.code == 0 and fault in told.out and "build: slim build" in told.out, f"{told.code} {told.out} {told.err}")
+    check(fault in run("slim", "plan", "crest.toml", "--explain", "--json").json()["refused"][0], "refused in --json")
+    for words in (("plan", "crest.toml"), ("run", "crest.toml")):
+        result = run("slim", *words)
+        check(result.code == 2 and fault in result.err, f"{words}: {result.code} {result.err}")
+
+
+def parts_of_a_step():
+    """What a step was refused for reaches a program in its parts, of run as of render --job."""
+    (harness.folder / "cut.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[output]\ndir = "cut"\n[[view]]\ncrop = "0,0,9999,9"\n')
+    for words in (("run", "cut.toml"), ("render", "out/model.slim", "-o", "x", "--job", "cut.toml")):
+        result = run("slim", *words, "--json", "-q")
+        error = result.json()["error"]
+        check(result.code == 2 and error.get("key") == "crop" and error.get("expected", "").startswith("x,y,w,h") and
+              error.get("found") == "'0,0,9999,9'" and "view front: " in error["message"], f"{words}: {result.out}")
+        check("\n" not in result.err.strip() and result.err.strip().endswith(error["message"]), f"{words}: {result.err}")
+
+
 def only_what_changed():
     again = steps(run_job())
     redone = [name for name, step in again.items() if not step["up_to_date"]]
@@ -278,6 +301,8 @@ def wrong_jobs():
 
 whole_job()
 same_pictures_of_a_model()
+explained()
+parts_of_a_step()
 only_what_changed()
 threads_agree()
 killed_build_resumes()
