@@ -180,9 +180,7 @@ LegendPlace best_legend_place(const Legend& legend, const Picture& object,
     };
     const LegendPlace best = least_covering(kPlaces, object, taken, box_at);
     const PixelBox below = box_at(LegendPlace::below);
-    const auto covers = [&](const PixelBox& box) {
-        return covered_alpha(box, object) + shared_area(box, taken) > 0;
-    };
+    const auto covers = [&](const PixelBox& box) { return hidden_by(box, object, taken) > 0; };
     return covers(box_at(best)) && below.x0 >= 0 && !covers(below) ? LegendPlace::below : best;
 }
 

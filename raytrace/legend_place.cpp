@@ -21,4 +21,9 @@ double shared_area(const PixelBox& a, const PixelBox& b) {
     return w > 0 && h > 0 ? static_cast<double>(w) * static_cast<double>(h) : 0;
 }
 
+double hidden_by(const PixelBox& box, const Picture& object, const PixelBox& taken) {
+    const double pixels = static_cast<double>(object.width) * object.height;
+    return covered_alpha(box, object) + pixels * shared_area(box, taken);
+}
+
 }  // namespace slim

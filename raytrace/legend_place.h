@@ -28,17 +28,20 @@ double covered_alpha(const PixelBox& box, const Picture& object);
 /// Pixels that two boxes share.
 double shared_area(const PixelBox& a, const PixelBox& b);
 
-/// The place whose panel covers the least of an object that stands over transparent, and of what
-/// else is taken; the first of those that are equal. panel_at(place) is the panel's box.
+/// What a panel in a box hides: the object's alpha, and of another panel as much as would outweigh
+/// all of the object, for words over words are not read.
+double hidden_by(const PixelBox& box, const Picture& object, const PixelBox& taken);
+
+/// The place whose panel hides the least of an object that stands over transparent and of another
+/// panel (hidden_by); the first of those that are equal. panel_at(place) is the panel's box.
 template <class PanelAt>
 LegendPlace least_covering(std::span<const LegendPlace> places, const Picture& object,
                            const PixelBox& taken, PanelAt&& panel_at) {
     LegendPlace best = places.front();
     double least = std::numeric_limits<double>::infinity();
     for (const LegendPlace place : places) {
-        const PixelBox panel = panel_at(place);
-        const double covered = covered_alpha(panel, object) + shared_area(panel, taken);
-        if (covered < least) best = place, least = covered;
+        const double hidden = hidden_by(panel_at(place), object, taken);
+        if (hidden < least) best = place, least = hidden;
     }
     return best;
 }

@@ -79,7 +79,8 @@ bool has_free_corner(const Camera& camera, const Framed& framed, double aspect,
                      const LegendRoom& room, bool lower_left) {
     const std::vector<Place> hull = hull_of(seen(camera, framed, aspect));
     const double w = room.corner_width, h = room.corner_height;
-    return apart(hull, {1 - w, 1 - h}, {1, 1}) || apart(hull, {1 - w, 0}, {1, h}) ||
+    const bool beside_bar = room.bar_width + w <= 1;
+    return (beside_bar && apart(hull, {1 - w, 1 - h}, {1, 1})) || apart(hull, {1 - w, 0}, {1, h}) ||
            apart(hull, {0, 0}, {w, h}) || (lower_left && apart(hull, {0, 1 - h}, {w, 1}));
 }
 
@@ -95,6 +96,21 @@ double smallness(const Camera& camera) {
 }
 
 }  // namespace
+
+bool leaves_room(const Camera& camera, const Framed& framed, double aspect,
+                 const LegendRoom& room) {
+    constexpr double kUsual = 0.7;  // of the largest legend, which the room is for
+    LegendRoom usual = room;
+    for (double* side : {&usual.right, &usual.bottom, &usual.corner_width, &usual.corner_height})
+        *side *= kUsual;
+    const std::vector<Place> hull = hull_of(seen(camera, framed, aspect));
+    const auto is_free = [&](double right, double bottom) {
+        return apart(hull, {1 - right, 1 - bottom}, {1, 1});
+    };
+    return (usual.right > 0 && is_free(usual.right, 1)) ||
+           (usual.bottom > 0 && is_free(1, usual.bottom)) ||
+           (usual.corner_width > 0 && has_free_corner(camera, framed, aspect, usual, true));
+}
 
 FramedCamera framed_beside(std::string_view name, const Framed& framed, double aspect,
                            const Framing& framing, const LegendRoom& room) {

@@ -28,4 +28,8 @@ struct LegendRoom {
 FramedCamera framed_beside(std::string_view name, const Framed& framed, double aspect,
                            const Framing& framing, const LegendRoom& room);
 
+/// Whether usual legends have a place beside what a camera shows of the points: most of a strip of
+/// that room at the right or below, or of a corner.
+bool leaves_room(const Camera& camera, const Framed& framed, double aspect, const LegendRoom& room);
+
 }  // namespace slim

@@ -81,7 +81,7 @@ std::vector<HeightLabel> contour_heights(const RenderJob& job, const AovLook& lo
     const Relief& relief = job.shadings.relief;
     if (job.n_frames > 1 || !(relief.spacing > 0)) return {};
     LabelSheet sheet{job.size.width, job.size.height, job.config.unit, {}};
-    if (look.key && job.config.legend)
+    if (look.key && look.words_fit && job.config.legend)
         sheet.taken.push_back(key_box(*look.key, look.place, job.size.width, job.size.height));
     if (job.config.scale_bar)
         sheet.taken.push_back(scale_bar_box({job.size.width / job.camera.width, job.config.unit},

@@ -72,18 +72,23 @@ std::optional<Key> expected_key(const RenderConfig& config, const std::string& a
 class RoomOfWords {
 public:
     RoomOfWords(const RenderConfig& config, const PictureSize& size) : size_(size) {
-        if (config.scale_bar) beside_ = scale_bar_most(size.width, size.height);
+        if (!config.scale_bar) return;
+        above_ = static_cast<float>(scale_bar_share(size.width, size.height) * size.height);
+        if (above_ > 0) beside_ = scale_bar_most(size.width, size.height);
     }
 
     void add(const Legend& legend) {
         const double share = legend_share(legend, size_.width, size_.height);
-        if (share <= 0) return;
+        const PixelBox top =
+            legend_box(legend, LegendPlace::right_top, size_.width, size_.height);
+        if (share <= 0 || meets_bar(top)) return;
         add(share, legend_box(legend, LegendPlace::right_bottom, size_.width, size_.height),
             legend_box(legend, LegendPlace::below, size_.width, size_.height));
     }
     void add(const Key& key) {
         const double share = key_share(key, size_.width, size_.height);
-        if (share <= 0) return;
+        const PixelBox top = key_box(key, LegendPlace::right_top, size_.width, size_.height);
+        if (share <= 0 || meets_bar(top)) return;
         const PixelBox box = key_box(key, LegendPlace::right_bottom, size_.width, size_.height);
         add(share, box, box);
     }
@@ -94,6 +99,10 @@ public:
     }
 
 private:
+    /// Of words in the corner that is farthest from a scale bar at the lower left.
+    bool meets_bar(const PixelBox& top) const {
+        return top.x0 < beside_ && top.y1 > static_cast<float>(size_.height) - above_;
+    }
     void add(double share, const PixelBox& corner, const PixelBox& below) {
         const auto width_of = [&](float x0) { return 1 - static_cast<double>(x0) / size_.width; };
         const auto height_of = [&](float y0) { return 1 - static_cast<double>(y0) / size_.height; };
@@ -108,6 +117,7 @@ private:
     LegendRoom room_;
     bool fits_below_ = true;
     float beside_ = 0;  ///< where a scale bar ends
+    float above_ = 0;   ///< its height, with the margin
 };
 
 /// Whether the lower left corner may not be free for the scale bar. Films keep it there.
@@ -118,10 +128,11 @@ bool moves_scale_bar(const RenderConfig& config) {
     return config.scale_bar && !is_framed && !is_film;
 }
 
-/// What a legend or key at its best place covers of an object, and of what is taken.
+/// What a legend or key at its best place hides of an object and of a scale bar.
 struct WordsPlace {
     LegendPlace place = LegendPlace::right;
-    double covered = 0;
+    double hidden = 0;
+    bool over_bar = false;
 };
 WordsPlace place_of_words(const RenderConfig& config, const AovLook& look, const Picture& object,
                           const PixelBox& taken) {
@@ -133,11 +144,20 @@ WordsPlace place_of_words(const RenderConfig& config, const AovLook& look, const
     const LegendPlace place = look.key ? best_key_place(*look.key, object, taken)
                                        : best_legend_place(*look.legend, object, taken);
     const PixelBox box = box_of(place);
-    return {place, covered_alpha(box, object) + shared_area(box, taken)};
+    return {place, hidden_by(box, object, taken), shared_area(box, taken) > 0};
 }
 
-/// Legend and scale bar stand where both together cover the least; the bar at the lower left if no
-/// other corner is better.
+/// Whether a small picture has no room for words beside its scale bar: they would stand over it, or
+/// over much of what the camera frames.
+bool lack_room(const RenderConfig& config, const WordsPlace& words, const Picture& object) {
+    constexpr double kMuch = 0.2;
+    if (!config.scale_bar || words.over_bar) return words.over_bar;
+    const PixelBox all{0, 0, static_cast<float>(object.width), static_cast<float>(object.height)};
+    return !moves_scale_bar(config) && words.hidden > kMuch * covered_alpha(all, object);
+}
+
+/// Legend and scale bar stand where both together hide the least; the bar at the lower left if no
+/// other corner is better. Without room for both the bar stays.
 void place_all(const RenderConfig& config, const RenderedFrame& frame, AovLook& look) {
     constexpr std::array kCorners{LegendPlace::left_bottom, LegendPlace::right_bottom,
                                   LegendPlace::left_top, LegendPlace::right_top};
@@ -150,8 +170,11 @@ void place_all(const RenderConfig& config, const RenderedFrame& frame, AovLook& 
                                                  object.width, object.height, corner)
                                  : PixelBox{};
         const WordsPlace words = place_of_words(config, look, object, bar);
-        const double covered = words.covered + covered_alpha(bar, object);
-        if (covered < least) look.place = words.place, look.bar_place = corner, least = covered;
+        const double hidden = words.hidden + covered_alpha(bar, object);
+        if (hidden >= least) continue;
+        least = hidden;
+        look.place = words.place, look.bar_place = corner;
+        look.words_fit = !lack_room(config, words, object);
     }
 }
 

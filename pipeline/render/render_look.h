@@ -23,6 +23,7 @@ struct AovLook {
     /// what the legend points to, if made for this picture
     std::shared_ptr<const ColorMap> own_map;
     LegendPlace place = LegendPlace::right;
+    bool words_fit = true;  ///< legend or key has room beside the scale bar
     LegendPlace bar_place = LegendPlace::left_bottom;  ///< of the scale bar
     std::vector<HeightLabel> heights = {};  ///< of a relief's contour lines
 

@@ -105,6 +105,34 @@ PictureSize parse_size(const std::string& text) {
                        .found = "'" + text + "'"});
 }
 
+namespace {
+
+/// The middle of what is seen stays where it is, beside a legend that is kept free.
+Camera enlarged(Camera camera, const Vec3d& to_middle, double zoom) {
+    camera.width /= zoom;
+    const Vec3d aside = to_middle * (1 - 1 / zoom);
+    camera.eye += aside, camera.target += aside;
+    const double half = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
+    if (zoom != 1) camera.fov_y_deg = std::atan(half / zoom) * 360 / std::numbers::pi;
+    return camera;
+}
+
+/// A named camera beside legends: where what is shown of its view is so near that it fills their
+/// room, as if there were none. Films keep it, and sides that are to have one scale.
+FramedCamera framed_near(const RenderConfig& config, const Framed& framed, double aspect,
+                         const Framing& framing, const LegendRoom& room) {
+    const auto beside = framed_beside(config.camera, framed, aspect, framing, room);
+    const bool stays = config.turntable > 0 || !config.path.empty() || config.same_scale;
+    if (config.zoom <= 1 || stays || room.right <= 0 || framed.box.empty()) return beside;
+    const Camera near = enlarged(beside.camera, beside.to_middle, config.zoom);
+    if (leaves_room(near, framed, aspect, room)) return beside;
+    LegendRoom none = room;
+    none.right = none.bottom = none.corner_width = none.corner_height = 0;
+    return framed_beside(config.camera, framed, aspect, framing, none);
+}
+
+}  // namespace
+
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
                    const LegendRoom& room) {
     const double aspect = static_cast<double>(size.width) / size.height;
@@ -121,7 +149,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                                                  : 0};
         const Framed framed(model.bounds, model.hull);
         const LegendRoom kept = kept_room(config, size, room);
-        const FramedCamera named = framed_beside(config.camera, framed, aspect, framing, kept);
+        const FramedCamera named = framed_near(config, framed, aspect, framing, kept);
         camera = named.camera, to_middle = named.to_middle;
         if (config.same_scale)
             for (const char* side : {"front", "right", "top"})  // the others are as wide as these
@@ -151,12 +179,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                                .found = fmt::format("{}", config.ortho_width)});
         camera.width = config.ortho_width;
     }
-    camera.width /= config.zoom;
-    // The middle of what is seen stays where it is, beside a legend that is kept free.
-    const Vec3d aside = to_middle * (1 - 1 / config.zoom);
-    camera.eye += aside, camera.target += aside;
-    const double half = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
-    if (config.zoom != 1) camera.fov_y_deg = std::atan(half / config.zoom) * 360 / std::numbers::pi;
+    camera = enlarged(camera, to_middle, config.zoom);
     validate(camera);
     return camera;
 }

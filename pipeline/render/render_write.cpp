@@ -56,9 +56,11 @@ struct Missing {
 
 /// Legend, key and scale bar.
 void burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas, Missing& missing) {
+    const bool fit = look.words_fit;
     if (look.legend && job.config.legend)
-        missing.legend |= !burn_legend(*look.legend, canvas, look.place);
-    if (look.key && job.config.legend) missing.legend |= !burn_key(*look.key, canvas, look.place);
+        missing.legend |= !(fit && burn_legend(*look.legend, canvas, look.place));
+    if (look.key && job.config.legend)
+        missing.legend |= !(fit && burn_key(*look.key, canvas, look.place));
     if (job.config.scale_bar)
         missing.scale_bar |=
             !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas,

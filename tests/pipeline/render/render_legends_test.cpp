@@ -3,6 +3,7 @@
 #include "pipeline/render/render_look.h"
 #include "pipeline/render/render_maps.h"
 #include "pipeline/render/render_uses.h"
+#include "raytrace/scale_bar.h"
 #include "slim/base/error.h"
 #include "slim/tree/curvature_noise.h"
 #include "tests/pipeline/render/render_test_support.h"
@@ -154,6 +155,60 @@ TEST_F(RenderLegends, ZoomLeavesTheMiddleBesideALegendInItsPlace) {
         EXPECT_NEAR(far_first + far_last, first + last, 3);
         EXPECT_NEAR(far_last - far_first, (last - first) / 2, 0.06 * (last - first));
     }
+}
+
+TEST_F(RenderLegends, AZoomThatFillsALegendsRoomKeepsNone) {
+    RenderConfig c = config("x.png");
+    c.size = "300x400";
+    const auto camera_of = [&](bool legend, double zoom) {
+        RenderConfig of = c;
+        of.aov = {"mean"}, of.legend = legend, of.zoom = zoom;
+        run(of);
+        return read_png(file("x.png")).metadata.at("slim:camera");
+    };
+    EXPECT_NE(camera_of(true, 1), camera_of(false, 1));  // the legend is below
+    EXPECT_EQ(camera_of(true, 1.5), camera_of(false, 1.5));
+    // What is to be of one scale, and films, are framed as before.
+    c.ortho = c.same_scale = true;
+    EXPECT_NE(camera_of(true, 1.5), camera_of(false, 1.5));
+    // A narrow thing leaves the room at its side however much is cut off above and below.
+    c.ortho = c.same_scale = false, c.size = "400x200";
+    EXPECT_NE(camera_of(true, 1.2), camera_of(false, 1.2));
+}
+
+TEST_F(RenderLegends, WordsNeverStandOverAScaleBar) {
+    RenderConfig c = config("x.png");
+    c.aov = {"hillshade"}, c.ortho = c.scale_bar = true, c.up = "z", c.camera = "top";
+    const auto looks = [&](int width, int height, int covered) {
+        RenderedFrame frame;
+        frame.size = {width, height}, frame.pixels.px_per_unit = 0.25 * width;
+        frame.buffer.reset(width, height, 0);
+        for (int y = 0; y < covered; ++y)
+            for (int x = 0; x < width; ++x)
+                frame.buffer.hit[static_cast<std::size_t>(width * y + x)] = 1;
+        ContourLevels lines;
+        lines.spacing = 0.1, lines.heavy_spacing = 0.5, lines.lines = 9, lines.heavy = 2;
+        return look_of(c, "hillshade", frame, {}, lines);
+    };
+    int n_fit = 0, n_left_out = 0;
+    for (int height = 90; height <= 200; height += 3) {
+        SCOPED_TRACE(height);
+        const int width = 4 * height / 3;
+        const AovLook look = looks(width, height, height / 2);  // what is seen is above
+        ASSERT_TRUE(look.key.has_value());
+        const double shared =
+            shared_area(key_box(*look.key, look.place, width, height),
+                        scale_bar_box({0.25 * width, ""}, width, height, look.bar_place));
+        EXPECT_TRUE(shared == 0 || !look.words_fit) << shared;
+        (look.words_fit ? n_fit : n_left_out) += 1;
+    }
+    EXPECT_GT(n_fit, 5);
+    EXPECT_GT(n_left_out, 0);
+    // The view of a named camera has room for both, small as it is.
+    c.size = "200x150", c.background = "white";
+    RenderConfig bare = c;
+    bare.legend = false, bare.legend_room = true, bare.output = file("bare.png");
+    EXPECT_EQ(n_hidden(draw(c), draw(bare)), 0);
 }
 
 TEST_F(RenderLegends, TheOrderOfAovsOfAnExrFramesNothing) {
