@@ -166,6 +166,26 @@ TEST_F(RenderStage, BruteModeDrawsTheSamePictureByAnotherWay) {
     EXPECT_NE(fast["distance_tests"], slow["distance_tests"]);
 }
 
+TEST_F(RenderStage, OtherPicturesOfAViewInOneFolderLoseNothing) {
+    RenderConfig c = config("out");
+    c.aov = {"shaded"};
+    run(c);
+    const std::string shaded = bytes("out/front.shaded.png");
+    c.aov = {"mean"};
+    run(c);
+    EXPECT_EQ(bytes("out/front.shaded.png"), shaded);
+    c.aov = {"shaded"};
+    EXPECT_FALSE(run(c).contains("up_to_date"));  // one manifest, of the latest
+    EXPECT_EQ(bytes("out/front.shaded.png"), shaded);
+    EXPECT_TRUE(run(c).contains("up_to_date"));
+    c.name = "light";
+    run(c);
+    c.name = "", c.aov = {"mean"};
+    run(c);
+    c.name = "light", c.aov = {"shaded"};
+    EXPECT_TRUE(run(c).contains("up_to_date"));  // a view of another name has its own
+}
+
 TEST_F(RenderStage, RepeatDrawsAgainThoughAllIsUpToDate) {
     RenderConfig c = config("x.png");
     EXPECT_FALSE(run(c).contains("up_to_date"));
