@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 #include <tuple>
 
 namespace slim::test {
@@ -150,6 +153,46 @@ TEST_F(NormalsStage, TakesMoreNeighboursWhereNoiseIsThick) {
     EXPECT_EQ(normals(config)["neighbors"], 24);
     config.neighbors = 3;
     EXPECT_THROW(normals(config), ConfigError);
+}
+
+TEST_F(NormalsStage, SlicesInThickNoiseTakeMoreNeighboursAsTheWholeDoes) {
+    const Cloud cloud = sampled("sphere", 60000, 1, 0.02);
+    const std::string path = write(cloud, "c.ply", false);
+    struct Found {
+        double widened = 0, mean_angle_deg = 0;
+        std::size_t n_inwards = 0;
+        int neighbors = 0;
+    };
+    const auto found_in = [&](int slices, int neighbors) {
+        slice(path, slices, "64MiB");
+        NormalsConfig config;
+        config.neighbors = neighbors;
+        const auto r = normals(config);
+        EXPECT_EQ(r["slices"], slices);
+        Found found{r["estimates_widened"].get<double>(), 0, 0, r["neighbors"].get<int>()};
+        for (int i = 0; i < slices; ++i) {
+            const PointBlock block = oriented(static_cast<std::size_t>(i));
+            for (std::size_t k = 0; k < block.size(); ++k) {
+                const double c = dot(to_double(block.normal[k]), cloud.truth[block.id[k]].normal);
+                found.n_inwards += c < 0;
+                found.mean_angle_deg += std::acos(std::clamp(std::abs(c), 0.0, 1.0)) * 180 /
+                                        std::numbers::pi / static_cast<double>(cloud.size());
+            }
+        }
+        return found;
+    };
+    const Found whole = found_in(1, 0), few = found_in(4, 16);
+    EXPECT_GT(whole.widened, 50000);
+    EXPECT_EQ(few.widened, 0);
+    for (const int slices : {2, 4}) {
+        SCOPED_TRACE(slices);
+        const Found found = found_in(slices, 0);
+        EXPECT_EQ(found.neighbors, whole.neighbors);
+        EXPECT_NEAR(found.widened, whole.widened, 0.01 * whole.widened);
+        EXPECT_NEAR(found.mean_angle_deg, whole.mean_angle_deg, 0.2);
+        EXPECT_LT(found.mean_angle_deg, 0.7 * few.mean_angle_deg);
+        EXPECT_LT(found.n_inwards, 20u);
+    }
 }
 
 // What is estimated is looked at once more, not the normals that the cloud has.

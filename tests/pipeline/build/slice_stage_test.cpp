@@ -2,6 +2,7 @@
 
 #include "pipeline/build/cloud_survey.h"
 
+#include "pipeline/manifest.h"
 #include "tests/formats/format_support.h"
 
 #include "formats/ply_writer.h"
@@ -201,6 +202,26 @@ TEST(SliceStage, PointsReadOnceAndTwiceAreTheSame) {
                 read_bytes(plan_path(folder.file("twice")).string()));
     EXPECT_EQ(once.n_points, 70007u);
     EXPECT_EQ(once.slices[0].bounds.lo, twice.slices[0].bounds.lo);
+}
+
+TEST(SliceStage, TheSurveyHashesEachFileToItsEndAsItReadsIt) {
+    const TempFolder folder;
+    const std::string mesh =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    const std::vector<std::string> paths = {
+        folder.write("none.xyz", "# nothing\n"),
+        write_cloud(folder, "a.ply", random_points(3, 150001, {})),  // of three chunks
+        folder.write("b.xyz", "1 2 3\n4 5 6\n\n# the end\n\n"), folder.write("mesh.ply", mesh)};
+    std::vector<std::string> hashes;
+    for (const std::string& path : paths) hashes.push_back(hash_file(path));
+    Reporter silent;
+    for (const int threads : {1, 2}) {
+        const ThreadLimit limit(threads);
+        for (const std::uint64_t most_gathered : {0u, 1000000u})
+            EXPECT_EQ(survey_clouds(paths, false, most_gathered, silent).hashes, hashes);
+    }
 }
 
 TEST(SliceStage, HandsTheSlicesPointsToTheNextStageOnce) {
