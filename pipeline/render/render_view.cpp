@@ -117,18 +117,24 @@ Camera enlarged(Camera camera, const Vec3d& to_middle, double zoom) {
     return camera;
 }
 
-/// A named camera beside legends: where what is shown of its view is so near that it fills their
-/// room, as if there were none. Films keep it, and sides that are to have one scale.
+/// A named camera beside legends. Where these are below and the zoom fills that room, they stand
+/// elsewhere: then as if there were none. One at the right mostly stays there, whatever it hides.
+/// Films keep the room, and sides that are to have one scale.
 FramedCamera framed_near(const RenderConfig& config, const Framed& framed, double aspect,
                          const Framing& framing, const LegendRoom& room) {
-    const auto beside = framed_beside(config.camera, framed, aspect, framing, room);
+    const auto with = [&](const LegendRoom& kept) {
+        return framed_beside(config.camera, framed, aspect, framing, kept);
+    };
+    const FramedCamera chosen = with(room);
     const bool stays = config.turntable > 0 || !config.path.empty() || config.same_scale;
-    if (config.zoom <= 1 || stays || room.right <= 0 || framed.box.empty()) return beside;
-    const Camera near = enlarged(beside.camera, beside.to_middle, config.zoom);
-    if (leaves_room(near, framed, aspect, room)) return beside;
-    LegendRoom none = room;
-    none.right = none.bottom = none.corner_width = none.corner_height = 0;
-    return framed_beside(config.camera, framed, aspect, framing, none);
+    if (config.zoom <= 1 || stays || room.bottom <= 0 || framed.box.empty()) return chosen;
+    LegendRoom kept = room;
+    kept.bottom = 0;
+    const bool is_above = length(with(kept).camera.eye - chosen.camera.eye) > 0;
+    const Camera near = enlarged(chosen.camera, chosen.to_middle, config.zoom);
+    if (!is_above || leaves_room(near, framed, aspect, room)) return chosen;
+    kept.right = kept.corner_width = kept.corner_height = 0;
+    return with(kept);
 }
 
 }  // namespace

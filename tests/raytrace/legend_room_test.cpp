@@ -132,5 +132,22 @@ TEST(LegendRoom, TurntablesAndStripsAtTheRightKeepThat) {
     EXPECT_NEAR(none.top, 1 - none.bottom, 1e-9);
 }
 
+TEST(LegendRoom, IsLeftUntilWhatIsSeenFillsMostOfIt) {
+    const Framed box = box_of(1, 1, 0.05);
+    const auto left_by = [&](double width, const LegendRoom& room) {
+        Camera camera = framed_camera("front", box, 1.5, {.orthographic = true}).camera;
+        camera.width = width;  // the box takes 2 of it, and of the height 3 of it
+        return leaves_room(camera, box, 1.5, room);
+    };
+    const LegendRoom right{0.2, 0, 0, 0}, below{0, 0.2, 0, 0}, corner{0, 0, 0.2, 0.2};
+    for (const LegendRoom& room : {right, below, corner}) EXPECT_TRUE(left_by(6, room));
+    EXPECT_TRUE(left_by(3, right));
+    EXPECT_FALSE(left_by(3, below));  // all of the height
+    EXPECT_TRUE(left_by(3, corner));  // beside it
+    EXPECT_TRUE(left_by(2.9, right) && !left_by(2.2, right));
+    for (const LegendRoom& room : {right, below, corner}) EXPECT_FALSE(left_by(2, room));
+    EXPECT_FALSE(left_by(6, {}));
+}
+
 }  // namespace
 }  // namespace slim

@@ -157,7 +157,7 @@ TEST_F(RenderLegends, ZoomLeavesTheMiddleBesideALegendInItsPlace) {
     }
 }
 
-TEST_F(RenderLegends, AZoomThatFillsALegendsRoomKeepsNone) {
+TEST_F(RenderLegends, AZoomThatFillsTheRoomBelowKeepsNone) {
     RenderConfig c = config("x.png");
     c.size = "300x400";
     const auto camera_of = [&](bool legend, double zoom) {
@@ -171,9 +171,10 @@ TEST_F(RenderLegends, AZoomThatFillsALegendsRoomKeepsNone) {
     // What is to be of one scale, and films, are framed as before.
     c.ortho = c.same_scale = true;
     EXPECT_NE(camera_of(true, 1.5), camera_of(false, 1.5));
-    // A narrow thing leaves the room at its side however much is cut off above and below.
+    // A legend at the right stays there, and so does its room.
     c.ortho = c.same_scale = false, c.size = "400x200";
     EXPECT_NE(camera_of(true, 1.2), camera_of(false, 1.2));
+    EXPECT_NE(camera_of(true, 2), camera_of(false, 2));
 }
 
 TEST_F(RenderLegends, WordsNeverStandOverAScaleBar) {
