@@ -32,10 +32,11 @@ void check_extension(const std::string& in, CloudKind kind, const std::string& o
 }  // namespace
 
 std::unique_ptr<CloudRewriter> rewrite_cloud(const std::string& in, const std::string& out,
-                                             double text_step) {
+                                             double text_step, double noise_variance) {
     const CloudKind kind = cloud_kind(in, ByteReader(in).peek(4096).substr(0, 4096));
     check_extension(in, kind, out);
-    if (kind == CloudKind::ply) return std::make_unique<PlyRewriter>(in, out, text_step);
+    if (kind == CloudKind::ply)
+        return std::make_unique<PlyRewriter>(in, out, text_step, noise_variance);
     return std::make_unique<XyzRewriter>(in, out, text_step);
 }
 

@@ -21,8 +21,9 @@ struct RewrittenPoint {
 ///
 /// PLY   gets normals (float nx ny nz) if it has none, and `float scalar_displacement`, or new
 ///       values where it has them. Coordinates and normals of integer types become double and
-///       float.
-/// text  keeps its columns: neither is added. Comments, counts and lines of names are kept.
+///       float. `comment slim noise_variance V` says the noise, or what the file said if that is
+///       more.
+/// text  keeps its columns: nothing is added. Comments, counts and lines of names are kept.
 /// A gzip file is written unpacked.
 class CloudRewriter {
 public:
@@ -37,10 +38,11 @@ public:
 
 /// text_step  what coordinates in text are rounded to at the most, world units; a number with more
 ///            decimals in the file keeps as many
+/// noise_variance  of the points as they were, length^2, for CloudInfo; 0: nothing is said of it
 /// throws     ConfigError if the name of `out` asks for another format than that of `in`; else as
 ///            open_cloud and AtomicFile
 /// cost       constant memory
 std::unique_ptr<CloudRewriter> rewrite_cloud(const std::string& in, const std::string& out,
-                                             double text_step);
+                                             double text_step, double noise_variance = 0);
 
 }  // namespace slim

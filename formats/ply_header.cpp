@@ -70,10 +70,19 @@ PlyProperty parse_property(const ByteReader& in, std::string_view line) {
     return property;
 }
 
+void parse_noise(const ByteReader& in, std::string_view line, PlyHeader& header) {
+    double& v = header.noise_variance;
+    if (!parse_number(next_word(line), v) || !std::isfinite(v) || v < 0)
+        fail(in, "expected a finite number, not below 0, after 'comment slim noise_variance'");
+}
+
 void parse_comment(const ByteReader& in, std::string_view line, PlyHeader& header) {
     const auto from = line.find_first_not_of(" \t");
     header.comments.emplace_back(from == std::string_view::npos ? "" : line.substr(from));
-    if (next_word(line) != "slim" || next_word(line) != "origin") return;
+    if (next_word(line) != "slim") return;
+    const std::string_view what = next_word(line);
+    if (what == "noise_variance") parse_noise(in, line, header);
+    if (what != "origin") return;
     Vec3d origin;
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (!parse_number(next_word(line), origin[axis]) || !std::isfinite(origin[axis]))

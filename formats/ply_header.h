@@ -45,6 +45,7 @@ struct PlyHeader {
     std::vector<PlyElement> elements;
     std::vector<std::string> comments;
     std::optional<Vec3d> origin;  ///< of `comment slim origin X Y Z`
+    double noise_variance = 0;    ///< of `comment slim noise_variance V`
 
     const PlyElement* find(const std::string& name) const;
 };

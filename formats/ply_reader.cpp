@@ -129,6 +129,7 @@ void PlyReader::describe() {
     info_.n_faces = face ? face->count : 0;
     info_.coordinates = coordinate_type(*vertex_, columns_.position);
     info_.origin = header_.origin;
+    info_.noise_variance = header_.noise_variance;
     info_.file_size = in_.file_size();
     const auto& c = columns_.color;
     const bool has_color = c[0] >= 0 && c[1] >= 0 && c[2] >= 0;

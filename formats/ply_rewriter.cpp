@@ -20,6 +20,11 @@ constexpr std::array<std::pair<Quantity, const char*>, 7> kNames{{
     {Quantity::displacement, "scalar_displacement"},
 }};
 
+/// Whether a comment is the one that PlyHeader::noise_variance is read of.
+bool says_noise(std::string_view comment) {
+    return next_word(comment) == "slim" && next_word(comment) == "noise_variance";
+}
+
 /// What a number of this type is written as: integers could not hold the new value.
 PlyType written_type(PlyType type, Quantity what) {
     if (!is_integer(type)) return type;
@@ -28,12 +33,13 @@ PlyType written_type(PlyType type, Quantity what) {
 
 }  // namespace
 
-PlyRewriter::PlyRewriter(const std::string& in, const std::string& out, double text_step)
+PlyRewriter::PlyRewriter(const std::string& in, const std::string& out, double text_step,
+                         double noise_variance)
     : in_(in), header_(read_ply_header(in_)), out_(out), vertex_at_(vertex_index()) {
     find_columns();
     encoder_ = std::make_unique<RowEncoder>(header_.encoding, columns_,
                                             header_.origin.value_or(Vec3d{}), text_step);
-    write_header();
+    write_header(noise_variance);
     for (std::size_t e = 0; e < vertex_at_; ++e) copy_element(header_.elements[e]);
     const PlyElement& vertex = header_.elements[vertex_at_];
     check_ply_count(in_, vertex, header_.encoding);
@@ -98,19 +104,24 @@ std::string PlyRewriter::property_line(const std::string& line) const {
     return line;
 }
 
-/// The lines of the header as they are, but for the properties of a vertex.
-void PlyRewriter::write_header() {
+/// The lines of the header as they are, but for the properties of a vertex and what is said of
+/// noise: the most of it, once.
+void PlyRewriter::write_header(double noise_variance) {
     ByteReader lines(in_.path());
+    const double noise = std::max(noise_variance, header_.noise_variance);
     bool in_vertex = false;
     for (std::string_view view; lines.read_line(view);) {
         const std::string line(view);
         std::string_view rest = line;
         const std::string_view keyword = next_word(rest);
+        if (keyword == "comment" && says_noise(rest)) continue;
         const bool ends = keyword == "end_header";
         if (in_vertex && (ends || keyword == "element")) out_.write(added_properties());
         if (ends || keyword == "element")
             in_vertex = next_word(rest) == header_.elements[vertex_at_].name;
         out_.write((in_vertex && keyword == "property" ? property_line(line) : line) + '\n');
+        if (keyword == "format" && noise > 0)
+            out_.write(message("comment slim noise_variance ", noise, '\n'));
         if (ends) return;
     }
 }

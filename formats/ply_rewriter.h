@@ -16,7 +16,8 @@ namespace slim {
 /// vertices.
 class PlyRewriter : public CloudRewriter {
 public:
-    PlyRewriter(const std::string& in, const std::string& out, double text_step);
+    PlyRewriter(const std::string& in, const std::string& out, double text_step,
+                double noise_variance);
     void write(std::span<const RewrittenPoint> points) override;
     void commit() override;
 
@@ -24,7 +25,7 @@ private:
     std::size_t vertex_index() const;
     void find_columns();
     void add_column(Quantity what, const char* name);
-    void write_header();
+    void write_header(double noise_variance);
     std::string property_line(const std::string& line) const;
     std::string added_properties() const;
     void copy_element(const PlyElement& element);

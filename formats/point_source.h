@@ -39,6 +39,8 @@ struct CloudInfo {
                                             ///< a point: passed over
     CoordinateType coordinates = CoordinateType::float64;
     std::optional<Vec3d> origin;            ///< of the header; already added to what read() gives
+    /// of the points before `slim smooth` took it off them, length^2; 0: the file does not say
+    double noise_variance = 0;
     std::uint64_t file_size = 0;
 };
 

@@ -75,6 +75,7 @@ private:
         input.n_face_points = info.n_face_points;
         input.face_points_from_size = info.face_points_from_size;
         input.has_scan = info.has_scan;
+        input.noise_variance = info.noise_variance;
         input.first_id = first_id;
         input.first_scan = end_scan_;
         // A cloud that does not say is one scan, so that its numbers stay apart from the others'.

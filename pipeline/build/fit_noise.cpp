@@ -27,6 +27,9 @@ constexpr double kFewEstimated = 0.01;
 // large turns make of it (slim/fit/noise_variance.cpp has the value of scans)
 constexpr double kOfFaceEdges = 0.01;
 constexpr double kStrayed = 2;  // the plain mean over lambda: 1 without strays and noisy parts
+// times what is measured: noise that smoothing took off. Its normals look clean, and as of a clean
+// cloud a few poor ones, which stay beside folds, would end leaves there (slim/smooth/notes/0011).
+constexpr double kSmoothed = 2, kContraryOfSmoothed = 0.002;
 // Where less lies on lines, these are no scan lines (slim/normals/notes/0007); of 10 points at
 // random 0.9 % do, too.
 constexpr double kFewestLinesOfWires = 0.015, kMostLinesOfWires = 0.5;
@@ -141,15 +144,16 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;
-    out.noise_variance = lambda > 0 ? lambda : std::max(measured, floor);
-    out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), floor);
+    const double smoothed = smoothed_variance(plan), least = std::max(floor, smoothed);
+    out.noise_variance = lambda > 0 ? lambda : std::max(measured, least);
+    out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), least);
     // Points on faces have no strays.
     const bool is_strayed =
         !is_made_of_faces(plan) && chosen.value > kStrayed * robust_noise(chosen).variance;
     const double volume = volume_of(plan.bounds);
     if (is_strayed && volume > 0)
         out.stray_density = stray_share(chosen) * static_cast<double>(plan.n_points) / volume;
-    out.floored = lambda <= 0 && measured < floor;
+    out.floored = lambda <= 0 && std::max(measured, smoothed) < floor;
     out.normals_inform = said.not_own <= kFewEstimated * said.points &&
                          chosen.independence >= kIndependent &&
                          normals_inform(chosen.typical, chosen.normal, chosen.spacing);
@@ -158,6 +162,10 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const bool are_faces_own =
         is_made_of_faces(plan) && said.not_own <= kFewEstimated * said.points;
     out.contrary_share = said.points > 0 && !are_faces_own ? said.noisy / said.points : 0;
+    if (smoothed > kSmoothed * measured) {
+        out.contrary_share = std::max(out.contrary_share, kContraryOfSmoothed);
+        out.typical_variance = std::max(out.typical_variance, smoothed);
+    }
     return out;
 }
 

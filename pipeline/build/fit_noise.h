@@ -9,7 +9,8 @@ namespace slim {
 /// What all slices share: lambda, spacing and the noise of the normals, from the normals stage's
 /// manifests.
 struct GlobalNoise {
-    double noise_variance = 0;  ///< lambda, floored at (4 q)^2, q the coordinates' step
+    /// lambda: no less than (4 q)^2, q the coordinates' step, and smoothed_variance()
+    double noise_variance = 0;
     double mean_variance = 0;   ///< lambda with all strays and noisy parts
     double stray_density = 0;   ///< strays to the volume of the cloud's box; 0 if they hardly count
     bool are_estimated = false;   ///< most of the normals are

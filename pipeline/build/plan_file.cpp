@@ -50,6 +50,7 @@ json to_json(const PlanInput& in) {
             {"faces_turned", in.faces_turned},
             {"face_points", in.n_face_points},
             {"has_scan", in.has_scan},
+            {"noise_variance", in.noise_variance},
             {"first_id", in.first_id},
             {"first_scan", in.first_scan}};
 }
@@ -66,6 +67,7 @@ PlanInput input_from(const json& j) {
     j.at("faces_turned").get_to(in.faces_turned);
     j.at("face_points").get_to(in.n_face_points);
     j.at("has_scan").get_to(in.has_scan);
+    in.noise_variance = j.value("noise_variance", 0.0);
     j.at("first_id").get_to(in.first_id);
     j.at("first_scan").get_to(in.first_scan);
     return in;
@@ -137,6 +139,15 @@ bool is_made_of_faces(const SlicePlan& plan) {
     return std::all_of(plan.inputs.begin(), plan.inputs.end(), [](const PlanInput& in) {
         return 2 * in.n_face_points > in.n_points;
     });
+}
+
+double smoothed_variance(const SlicePlan& plan) {
+    double sum = 0, n = 0;
+    for (const PlanInput& in : plan.inputs) {
+        n += static_cast<double>(in.n_points);
+        sum += static_cast<double>(in.n_points) * in.noise_variance;
+    }
+    return n > 0 ? sum / n : 0;
 }
 
 std::filesystem::path plan_path(const std::filesystem::path& work) { return work / "plan.json"; }

@@ -23,6 +23,7 @@ struct PlanInput {
     std::uint64_t n_face_points = 0;  ///< of n_points: on large faces of a mesh
     double face_points_from_size = 0; ///< as CloudInfo has it, not written
     bool has_scan = false;
+    double noise_variance = 0;      ///< that smoothing took off its points; 0: none
     std::uint64_t first_id = 0;     ///< id of its first point
     std::uint32_t first_scan = 0;   ///< added to its own scan numbers
 };
@@ -57,6 +58,9 @@ struct SlicePlan {
 /// Whether most points of every input are made of a mesh's faces, without noise: what is not flat
 /// are edges.
 bool is_made_of_faces(const SlicePlan& plan);
+
+/// The mean over all points of the noise that the inputs say was taken off them, length^2.
+double smoothed_variance(const SlicePlan& plan);
 
 /// WORK/plan.json and WORK/slice_0007/points.slice.
 std::filesystem::path plan_path(const std::filesystem::path& work);

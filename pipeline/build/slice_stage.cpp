@@ -12,6 +12,7 @@
 #include "pipeline/folder_lock.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
+#include "pipeline/noise_over_diagonal.h"
 #include "pipeline/peak_memory.h"
 #include "slim/base/error.h"
 #include "slim/slicing/block_plan.h"
@@ -121,6 +122,11 @@ void report(const SlicePlan& plan, Reporter& reporter) {
                 "{}: parts thinner than {:.3g} ask for more points than a mesh is given ({} were "
                 "added): discs may stand out of them; thin parts in files of their own get more",
                 in.path, in.face_points_from_size, in.n_face_points));
+        if (in.noise_variance > 0)
+            reporter.info(fmt::format(
+                "{}: smoothed: leaves are made for the noise that it had, {:.2g} of L (--t-mdl, "
+                "--lambda: finer ones)",
+                in.path, noise_over_diagonal(in.noise_variance, plan.diagonal)));
         if (in.n_dropped > 0)
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
                                       in.path, in.n_dropped, in.n_points - in.n_face_points));

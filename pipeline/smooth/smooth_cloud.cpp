@@ -57,7 +57,8 @@ json smooth_cloud(const Smoother& smoother) {
                                            smoother.index, smoother.origin, smoother.diagonal},
                                           smoother.context);
     const SmoothSurface surface{smoother.index, refit.surface.get(), refit.trust};
-    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
+    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step(),
+                                   smoother.noise_variance());
     SmoothCounts counts;
     SmoothedBatch done(refit.batch), next(refit.batch);
     // One thread alone counts and writes a batch: while the next one is smoothed.

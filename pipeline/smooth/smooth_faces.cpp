@@ -34,7 +34,8 @@ json smooth_faces(const Smoother& smoother) {
     Mesh mesh = read_mesh(config.cloud, smoother.origin);
     const std::vector<Vec3d> from = mesh.position;
     const json edges = edges_rounded_off(smoother, mesh);
-    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
+    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step(),
+                                   smoother.noise_variance());
     const SmoothedMesh smoothed =
         smooth_mesh(smoother.index, smoother.settings(), mesh, [&](int i) {
             smoother.context.reporter.progress("iterations", static_cast<std::uint64_t>(i),

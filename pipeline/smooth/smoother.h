@@ -38,6 +38,8 @@ struct Smoother {
 
     /// What coordinates in text are rounded to: a hundredth of a float's step.
     double text_step() const { return 1e-9 * diagonal; }
+    /// Of the points that the model was built of, which the rewritten ones are to say.
+    double noise_variance() const { return config.amount > 0 ? rules.noise_variance : 0; }
     SmoothSettings settings() const { return {config.iterations, config.amount, config.most}; }
     /// World position; a point that stays keeps the bytes of its coordinates.
     RewrittenPoint rewritten(const SmoothedPoint& p) const {

@@ -41,6 +41,29 @@ std::string raw(T value, bool big = false) {
     return big ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
 }
 
+TEST_F(CloudRewriterTest, SaysTheMostOfTheNoiseOnceInAPlyAndNothingInText) {
+    const std::string rest = "element vertex 1\nproperty float x\nproperty float y\nproperty float "
+                             "z\nend_header\n1 2 3\n";
+    const auto lines_of = [&](const std::string& said, double noise, const char* name = "n.ply") {
+        const std::string head = "ply\nformat ascii 1.0\n" + said;
+        const std::string in =
+            folder_.write(std::string("in_") + name,
+                          std::string(name).ends_with("ply") ? head + rest : "1 2 3\n");
+        const auto rewriter = rewrite_cloud(in, folder_.file(name), 1e-3, noise);
+        rewriter->write(std::vector<RewrittenPoint>{{{1, 2, 3}, {0, 0, 1}, 0, false}});
+        rewriter->commit();
+        const std::string out = read_bytes(folder_.file(name));
+        return out.substr(0, out.find("element"));
+    };
+    const std::string head = "ply\nformat ascii 1.0\n", line = "comment slim noise_variance ";
+    EXPECT_EQ(lines_of("", 0), head);
+    EXPECT_EQ(lines_of("comment a\n", 2e-5), head + line + "2e-05\ncomment a\n");
+    EXPECT_EQ(lines_of("comment slim noise_variance 1e-5\n", 2e-5), head + line + "2e-05\n");
+    EXPECT_EQ(lines_of("comment slim noise_variance 3e-5\n", 2e-5), head + line + "3e-05\n");
+    EXPECT_EQ(lines_of("comment slim noise_variance 3e-5\n", 0), head + line + "3e-05\n");
+    EXPECT_EQ(lines_of("", 2e-5, "n.xyz"), "1 2 3\n");
+}
+
 TEST_F(CloudRewriterTest, AsciiKeepsEveryWordOfPointsThatStay) {
     const std::string head =
         "ply\nformat ascii 1.0\ncomment hello   there\nelement vertex 3\nproperty uchar red\n"

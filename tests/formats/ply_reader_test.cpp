@@ -114,6 +114,20 @@ TEST(PlyReader, AddsTheOriginOfTheHeader) {
     EXPECT_NE(reading_error(folder.write("n.ply", text)).find("line 3"), std::string::npos);
 }
 
+TEST(PlyReader, ReadsTheNoiseThatSmoothingTookOff) {
+    const TempFolder folder;
+    std::string text = kAscii;
+    EXPECT_EQ(open_cloud(folder.write("none.ply", text))->info().noise_variance, 0);
+    text.replace(text.find("small"), 5, "slim noise_variance 1.5e-8");
+    EXPECT_EQ(open_cloud(folder.write("v.ply", text))->info().noise_variance, 1.5e-8);
+    for (const char* bad : {"-1e-8 ", "inf   ", "nan   ", "      ", "much  "}) {
+        SCOPED_TRACE(bad);
+        std::string other = text;
+        other.replace(other.find("1.5e-8"), 6, bad);
+        EXPECT_NE(reading_error(folder.write("bad.ply", other)).find("line 3"), std::string::npos);
+    }
+}
+
 TEST(PlyReader, TakesCrLfCrTabsBlanksAndEmptyLines) {
     const TempFolder folder;
     const PointChunk expected = read_all(folder.write("a.ply", kAscii));

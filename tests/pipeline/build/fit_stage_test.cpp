@@ -106,6 +106,33 @@ TEST_F(FitStage, LambdaIsMeasuredFlooredOrGiven) {
     EXPECT_GT(flat.noise_variance, 0);
 }
 
+TEST_F(FitStage, NoiseThatSmoothingTookOffCountsByPointsAndLeavesNormalsThatEndNothing) {
+    slice(write(sampled("sphere", 5000), "c.ply"), 1);
+    normals();
+    SlicePlan plan = read_plan(file("work"));
+    const GlobalNoise clean = read_global_noise(file("work"), 0, plan);
+    EXPECT_EQ(clean.contrary_share, 0);
+    const auto with = [&](double variance) {
+        plan.inputs[0].noise_variance = variance;
+        write_plan(file("work"), plan);
+        return read_global_noise(file("work"), 0, read_plan(file("work")));
+    };
+    const GlobalNoise smoothed = with(10 * clean.noise_variance);
+    EXPECT_EQ(smoothed.noise_variance, 10 * clean.noise_variance);
+    EXPECT_EQ(smoothed.mean_variance, 10 * clean.noise_variance);
+    EXPECT_EQ(smoothed.typical_variance, 10 * clean.noise_variance);
+    EXPECT_GT(smoothed.contrary_share, 0.001);
+    EXPECT_EQ(read_global_noise(file("work"), 1e-9, plan).noise_variance, 1e-9);
+    // As a clean cloud's is after smoothing: it was no noise.
+    EXPECT_EQ(with(1.5 * clean.noise_variance).contrary_share, 0);
+    EXPECT_EQ(with(0.5 * clean.noise_variance).noise_variance, clean.noise_variance);
+    // Beside three times as many points of another scan.
+    PlanInput other = plan.inputs[0];
+    other.n_points = 15000, other.noise_variance = 0;
+    plan.inputs.push_back(other);
+    EXPECT_DOUBLE_EQ(smoothed_variance(plan), 0.125 * clean.noise_variance);
+}
+
 TEST_F(FitStage, StraysLeaveLambdaAsItIsInAnyNumberOfSlices) {
     Cloud cloud = sampled("bumpy", 30000, 1, 2e-4);
     const auto measured = [&](int n_slices) {

@@ -30,6 +30,39 @@ TEST_F(SmoothStage, ACleanCloudIsNotMadeWorse) {
         }
 }
 
+TEST_F(SmoothStage, ASmoothedCloudIsBuiltForTheNoiseThatItHadAndComesOutSmoother) {
+    const std::string truth = write(sampled("torus", 20000, 2), "truth.ply");
+    const std::string cloud = write(sampled("torus", 50000, 1, 0.003), "c.ply", false);
+    const auto raw = build(build_config(cloud, "m.slim"));
+    smooth(cloud);
+    BuildConfig c = build_config(file("smooth.ply"), "again.slim");
+    const auto again = build(c);
+    const double lambda = raw["noise_variance"];
+    EXPECT_NEAR(again["noise_variance"].get<double>() / lambda, 1, 1e-5);
+    EXPECT_LE(again["leaves"], raw["leaves"]);
+    const auto before = measure(file("m.slim"), truth), after = measure(file("again.slim"), truth);
+    EXPECT_LT(after["l2"].get<double>(), 0.8 * before["l2"].get<double>());
+    EXPECT_LT(after["normal_rms_deg"].get<double>(),
+              0.8 * before["normal_rms_deg"].get<double>());
+    // In slices, too; what is asked for counts more.
+    c.slices = 2, c.output = file("slices.slim");
+    EXPECT_EQ(build(c)["noise_variance"], again["noise_variance"]);
+    c.slices = 0, c.output = file("fine.slim"), c.lambda = lambda / 1000;
+    const auto fine = build(c);
+    EXPECT_EQ(fine["noise_variance"], lambda / 1000);
+    EXPECT_GT(fine["leaves"], again["leaves"]);
+}
+
+TEST_F(SmoothStage, PointsThatDoNotMoveSayNothingOfNoise) {
+    const std::string cloud = noisy("sphere", 0.003);
+    SmoothConfig c;
+    c.amount = 0;
+    smooth(cloud, c);
+    EXPECT_EQ(open_cloud(file("smooth.ply"))->info().noise_variance, 0);
+    smooth(cloud);
+    EXPECT_GT(open_cloud(file("smooth.ply"))->info().noise_variance, 0);
+}
+
 TEST_F(SmoothStage, NoiseThatVariesOverTheCloudIsTakenOffEverywhere) {
     Cloud cloud = sampled("sphere", 40000);
     const auto upper = [](const Vec3d& p) { return p.z > 0; };
