@@ -121,6 +121,8 @@ void follow_normals(const Moments<MomentDegree>& m, const NestedCholesky& alone,
         fit.sq_missed_slope = points.radius * points.radius * fully.sq_gain / m.weight() -
                               noise * fully.n_errors - fit.sq_missed;
         fit.sq_missed_error = noise * fully.n_errors * std::sqrt(2.0 / (next + 1));
+        const double sq_radius = points.radius * points.radius * shrink * shrink;
+        fit.sq_slope_error = 2 * sq_slope - fit.sq_missed_slope / sq_radius;
     }
 }
 

@@ -32,6 +32,9 @@ struct LocalFit {
     /// What these terms would take off the mean squared slope error, times rho^2,
     /// where the normals count; else 0.
     double sq_missed_slope = 0;
+    /// Mean squared length of what slopes are off the fit, without what the next degree would take
+    /// of it, where the normals count; else 0.
+    double sq_slope_error = 0;
     double n_effective = 0;  ///< (sum G)^2 / sum G^2
     std::size_t n_points = 0;
     Fallback fallback = Fallback::none;

@@ -165,7 +165,9 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const double missed = fit.sq_missed + mdl.price(radius);
     return Rung{rung, level, found.degree, end, n_sample, energy, upper,
                 energy - missed, upper - missed,
-                missed + fit.sq_missed_slope, 2 * fit.sq_missed_error};
+                missed + fit.sq_missed_slope, 2 * fit.sq_missed_error,
+                radius * radius, fit.sq_slope_error,
+                fit.sq_slope_error * (1 + 2 / std::sqrt(fit.n_effective))};
 }
 
 RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWork& work) const {
@@ -204,11 +206,20 @@ void RadiusLadder::fit_cheapest(const BallPoints<float>& ball, LadderFit& out) c
 
 /// eps^2 of a noisy ball is noise, known to two standard errors only: a fifth of it with some
 /// hundred points, in which a bias of half the noise hides. What the next degree would find shows a
-/// tenth of that. So the rungs are taken to have the same noise as far as their errors allow.
+/// tenth of that. So the rungs are taken to have the same noise as far as their errors allow. Where
+/// normals count, what turns them is the same in all rungs, too: on an axis of symmetry the next
+/// degree finds nothing, and the one after it turns slopes (a torus' inner equator).
 int RadiusLadder::largest_as_good(std::span<const std::optional<Rung>> rungs) {
     double noise = INFINITY, least = INFINITY;
-    for (const auto& r : rungs) noise = std::min(noise, r->noise_upper);
-    const auto cost = [&](const Rung& r) { return std::max(0.0, r.noise - noise) + r.missed; };
+    double slope = INFINITY;
+    for (const auto& r : rungs) {
+        noise = std::min(noise, r->noise_upper);
+        if (r->slope > 0) slope = std::min(slope, r->slope_upper);
+    }
+    const auto cost = [&](const Rung& r) {
+        return std::max(0.0, r.noise - noise) + r.missed +
+               r.sq_radius * std::max(0.0, r.slope - slope);
+    };
     for (const auto& r : rungs) least = std::min(least, cost(*r) + r->missed_error);
     const auto found = std::find_if(rungs.begin(), rungs.end(),
                                     [&](const auto& r) { return cost(*r) <= least; });

@@ -98,6 +98,9 @@ private:
         double noise, noise_upper;    // eps^2 without what the next degree
                                       // would find, and two errors more
         double missed, missed_error;  // that and the price lambda (T L / rho)^2; two errors
+        double sq_radius;
+        double slope, slope_upper;    // mean square that slopes are off even with the next degree,
+                                      // two standard errors above it; 0 where normals do not count
     };
     /// Index of the largest ball that is no worse than any other,
     /// of rungs by falling radius (notes/0005).

@@ -128,6 +128,25 @@ TEST(NormalsInFit, TheLadderFindsASmallerBallWhereNormalsShowWhatNoiseHides) {
     EXPECT_GT(sum, 0.3);
 }
 
+TEST(NormalsInFit, TheLadderStopsWhereSlopesTurnThoughTheNextDegreeFindsNothing) {
+    const Cloud cloud = sampled("torus", 100000, 1, 1e-3);
+    const PointBlock points = block_of(cloud);
+    const double l = box_of(points).diagonal();
+    const PointPyramid pyramid(points, box_of(points), 1);
+    const RadiusLadder ladder(pyramid, {1e-6 * l * l, 0.01 * l}, l / 10, 1e-9, 2, {});
+    LadderWork work;
+    work.ball.normals_count = true;
+    int n = 0;
+    for (std::size_t i = 0; i < points.size() && n < 40; ++i) {
+        const Vec3d p = points.position[i];
+        // the inner equator, where third derivatives vanish
+        if (std::abs(p.z) > 0.02 || std::hypot(p.x, p.y) > 0.8) continue;
+        EXPECT_LT(ladder.choose(p, to_double(points.normal[i]), 0, work).radius, 0.26);
+        ++n;
+    }
+    EXPECT_EQ(n, 40);
+}
+
 /// normal_variance_of all points of a noisy plane's neighbourhood.
 double variance_of(double curvature, double noise) {
     std::vector<Vec3d> positions;
