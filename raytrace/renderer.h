@@ -9,6 +9,8 @@
 
 namespace slim {
 
+class LeafHessians;
+
 /// Part of a picture: `width` x `height` pixels from (x, y) on. Width 0: the whole picture.
 struct PixelWindow {
     int x = 0, y = 0, width = 0, height = 0;
@@ -26,8 +28,13 @@ struct RenderRequest {
     /// First hits in doubt give way to what lies behind them where most surfels say that the ray
     /// passes over (is_in_doubt in slim/blend): silhouettes without flaps and crumbs.
     bool clean_outlines = false;
-    /// If set: gets the nodes that the cut met, before their surfels are drawn. In the forward
-    /// renderer only: the others go through all leaves.
+    /// What is known of the leaves' second derivatives, of the tree that is drawn: kept from
+    /// picture to picture, where channels want them. Null: worked out for this one. In the forward
+    /// renderer only.
+    LeafHessians* hessians = nullptr;
+    /// If set: gets the nodes that the cut met, and leaves beside them where `hessians` asks for
+    /// these, before their surfels are looked at. In the forward renderer only: the others go
+    /// through all leaves.
     std::function<void(std::span<const std::uint32_t>)> on_met = {};
 
     /// The window, resolved and checked against the picture (ConfigError).

@@ -162,7 +162,7 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const bool are_faces_own =
         is_made_of_faces(plan) && said.not_own <= kFewEstimated * said.points;
     out.contrary_share = said.points > 0 && !are_faces_own ? said.noisy / said.points : 0;
-    if (smoothed > kSmoothed * measured) {
+    if (lambda <= 0 && smoothed > kSmoothed * measured) {
         out.contrary_share = std::max(out.contrary_share, kContraryOfSmoothed);
         out.typical_variance = std::max(out.typical_variance, smoothed);
     }

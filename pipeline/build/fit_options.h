@@ -25,8 +25,8 @@ struct FitOptions {
               "T_MDL of eq. (3), fraction of the diagonal: larger is sparser and smoother", 1e-12,
               1e3);
         field("lambda", lambda,
-              "noise variance of eq. (3), model units squared; 0: measured, of smoothed points what "
-              "they had",
+              "noise variance of eq. (3), model units squared; 0: measured, of smoothed points "
+              "what they had",
               0, 1e300);
         field.choice("radius_rule", radius_rule,
                      "how a surfel's radius is found; windows: the paper's, for comparison",

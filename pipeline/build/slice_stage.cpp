@@ -124,8 +124,8 @@ void report(const SlicePlan& plan, Reporter& reporter) {
                 in.path, in.face_points_from_size, in.n_face_points));
         if (in.noise_variance > 0)
             reporter.info(fmt::format(
-                "{}: smoothed: leaves are made for the noise that it had, {:.2g} of L (--t-mdl, "
-                "--lambda: finer ones)",
+                "{}: smoothed: it had noise of {:.2g} of L, for which leaves are made unless "
+                "--lambda says another (--t-mdl: finer ones)",
                 in.path, noise_over_diagonal(in.noise_variance, plan.diagonal)));
         if (in.n_dropped > 0)
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",

@@ -90,7 +90,9 @@ json measured(const MeasureConfig& config, const CloudFiles& files, StageContext
     if (config.model.starts_with(kShape)) return against_shape(config, files, context);
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
-    const BallIndex index(tree);
+    LeafHessians hessians(tree);
+    if (!files.truth.empty()) hessians.prepare_all();  // curvature is measured against it alone
+    const BallIndex index(tree, &hessians);
     json out =
         measure_cloud(surface_of(config, model.header(), index), files, config.tolerance, context);
     warn_of_lost(config.cloud, config.model, out["missed"], out["points"], context.reporter);

@@ -43,6 +43,7 @@ RenderRequest request_of(const RenderJob& job, const PictureSize& size, const Pi
     RenderRequest request{job.camera, size.width, size.height,     wanted,
                           lod,        window,     job.config.loose};
     request.clean_outlines = job.config.clean_outlines;
+    request.hessians = job.hessians.get();
     if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
     return request;
 }

@@ -14,11 +14,13 @@
 #include "pipeline/render/render_trace.h"
 #include "pipeline/render/render_view.h"
 #include "raytrace/renderer.h"
+#include "slim/blend/leaf_hessians.h"
 #include "slim/model/surfel_tree.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +49,8 @@ struct RenderJob {
     /// those of the picture, in the order of drawing, once they are found
     std::optional<std::vector<FeatureLine>> found_lines = {};
     std::vector<std::vector<SharpEdge>> edges = {};  ///< of each model, if creases are drawn
+    /// Of the tree, from picture to picture: of those that pictures ask for.
+    std::shared_ptr<LeafHessians> hessians = std::make_shared<LeafHessians>(tree);
 
     /// Its bounds are those of what is drawn; of several models these and its diagonal are those of
     /// all.

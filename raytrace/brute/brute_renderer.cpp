@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/blend/blend.h"
+#include "slim/blend/leaf_hessians.h"
 
 #include <chrono>
 #include <vector>
@@ -14,15 +15,19 @@ struct Leaf {
     std::uint32_t node;
 };
 
-std::vector<Leaf> wanted_leaves(const SurfelTree& tree, bool loose, RenderStats& stats) {
+std::vector<Leaf> wanted_leaves(const SurfelTree& tree, bool loose, const LeafHessians& hessians,
+                                RenderStats& stats) {
     std::vector<Leaf> leaves;
     for (std::size_t i = 0; i < tree.n_nodes(); ++i) {
         const TreeNode& node = tree.node(i);
         if (!node.is_leaf()) continue;
-        if (loose || !node.is_loose())
-            leaves.push_back({tree.surfel(i), static_cast<std::uint32_t>(i)});
-        else
+        if (!loose && node.is_loose()) {
             ++stats.loose_hidden;
+            continue;
+        }
+        const auto id = static_cast<std::uint32_t>(i);
+        leaves.push_back({tree.surfel(i), id});
+        leaves.back().surfel.hessian = hessians.of(id);
     }
     return leaves;
 }
@@ -180,7 +185,9 @@ RenderStats render_brute(const SurfelTree& tree, const RenderRequest& request, G
     const PixelWindow window = request.resolved_window();
     out.reset(window.width, window.height, request.wanted);
     RenderStats stats;
-    const std::vector<Leaf> leaves = wanted_leaves(tree, request.loose, stats);
+    LeafHessians hessians(tree);
+    if (out.has_any(kHessianChannels)) hessians.prepare_all();
+    const std::vector<Leaf> leaves = wanted_leaves(tree, request.loose, hessians, stats);
     std::vector<RenderStats> rows(static_cast<std::size_t>(window.height));
     parallel_blocks(rows.size(), 1, [&](std::size_t y, std::size_t) {
         render_row(view, window, tree, leaves, request.clean_outlines, static_cast<int>(y), out,

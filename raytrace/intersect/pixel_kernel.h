@@ -76,12 +76,6 @@ public:
         }
     }
 
-    /// Hessian of f times rho, camera axes; entry n.
-    [[gnu::always_inline]] V hessian(std::size_t n, const Plane& at) const {
-        if constexpr (Degree < 3) return V(r.hessian[0][n]);
-        else return V(r.hessian[0][n]) + at.u * V(r.hessian[1][n]) + at.v * V(r.hessian[2][n]);
-    }
-
     /// 1 / h.
     [[gnu::always_inline]] V share(const V& tau) const { return reciprocal(height(tau)); }
     [[gnu::always_inline]] V height(const V& tau) const { return 1.0f - tau * V(r.kappa); }

@@ -36,9 +36,6 @@ struct alignas(64) PixelRecord {
     std::array<F, Degree == 2 ? 0 : 3> u_axis, v_axis, normal;
     /// Degree 2: h grad f rho, each component's coefficients of 1, s, t, tau.
     std::array<std::array<F, 4>, Degree == 2 ? 3 : 0> gradient;
-    /// Hess f rho: xx, xy, xz, yy, yz, zz; of cubics the part without u and v, then that of u,
-    /// then of v.
-    std::array<std::array<F, 6>, Degree == 3 ? 3 : 1> hessian;
     std::array<F, Degree == 2 ? 0 : 10> a;  ///< the height field
 };
 

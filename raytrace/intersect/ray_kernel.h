@@ -2,6 +2,7 @@
 
 #include "raytrace/intersect/root_kernel.h"
 #include "slim/base/simd.h"
+#include "slim/model/height_hessian.h"
 
 #include <array>
 #include <cstdint>
@@ -148,25 +149,34 @@ template <int Degree, class V, class Record>
     }
 }
 
-/// Hessian of f times rho, camera axes: xx, xy, xz, yy, yz, zz (NUMERICS 5.1).
+/// P_uu, P_uv, P_vv of the height field at (u, v).
 template <int Degree, class V, class Record>
-[[gnu::always_inline]] inline std::array<V, 6> hessian_at(const Record& r, const V& u, const V& v) {
+[[gnu::always_inline]] inline std::array<V, 3> second_derivatives(const Record& r, const V& u,
+                                                                  const V& v) {
     const auto& a = r.a;
+    if constexpr (Degree < 3) {
+        return {V(2 * a[3]), V(a[4]), V(2 * a[5])};
+    } else {
+        return {2.0f * a[3] + 6.0f * a[6] * u + 2.0f * a[7] * v,
+                a[4] + 2.0f * a[7] * u + 2.0f * a[8] * v,
+                2.0f * a[5] + 6.0f * a[9] * v + 2.0f * a[8] * u};
+    }
+}
+
+/// Hessian of f times rho, camera axes: xx, xy, xz, yy, yz, zz (NUMERICS 5.1). p: P_uu, P_uv, P_vv.
+template <class V, class Record>
+[[gnu::always_inline]] inline std::array<V, 6> hessian_from(const Record& r,
+                                                            const std::array<V, 3>& p) {
     const float scale = -r.inv_radius;
-    V uu = V(2 * scale * a[3]), uv = V(scale * a[4]), vv = V(2 * scale * a[5]);
-    if constexpr (Degree >= 3) {
-        uu += scale * (6.0f * a[6] * u + 2.0f * a[7] * v);
-        uv += scale * (2.0f * a[7] * u + 2.0f * a[8] * v);
-        vv += scale * (6.0f * a[9] * v + 2.0f * a[8] * u);
-    }
+    const V uu = scale * p[0], uv = scale * p[1], vv = scale * p[2];
     const auto &e = r.u_axis, &f = r.v_axis;
-    std::array<V, 3> p, q;
+    std::array<V, 3> a, b;
     for (std::size_t i = 0; i < 3; ++i) {
-        p[i] = e[i] * uu + f[i] * uv;
-        q[i] = e[i] * uv + f[i] * vv;
+        a[i] = e[i] * uu + f[i] * uv;
+        b[i] = e[i] * uv + f[i] * vv;
     }
-    return {p[0] * e[0] + q[0] * f[0], p[0] * e[1] + q[0] * f[1], p[0] * e[2] + q[0] * f[2],
-            p[1] * e[1] + q[1] * f[1], p[1] * e[2] + q[1] * f[2], p[2] * e[2] + q[2] * f[2]};
+    return {a[0] * e[0] + b[0] * f[0], a[0] * e[1] + b[0] * f[1], a[0] * e[2] + b[0] * f[2],
+            a[1] * e[1] + b[1] * f[1], a[1] * e[2] + b[1] * f[2], a[2] * e[2] + b[2] * f[2]};
 }
 
 /// Third derivatives of f times rho, camera axes: xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz.
@@ -188,5 +198,12 @@ inline std::array<float, 10> third_of(const Record& r) {
         }
     return out;
 }
+
+/// What the sums of a surfel's second derivatives need of it.
+struct HessianRecord {
+    HeightHessian p;
+    std::array<float, 3> u_axis, v_axis;
+    float inv_radius;
+};
 
 }  // namespace slim

@@ -15,6 +15,7 @@ struct SharpRecord {
     std::array<DrawRecord, kMostSheets> sheet;
     std::size_t n_sheets = 1;
     Join outer = Join::max, inner = Join::max;
+    const HeightHessian* hessian = nullptr;  ///< Surfel::hessian, of one sheet
 };
 
 template <class V>
@@ -119,8 +120,10 @@ inline std::array<V, 6> sharp_hessian(const SharpRecord& s, const SharpRays<V>& 
     out.fill(V(0.0f));
     for (std::size_t i = 0; i < s.n_sheets; ++i) {
         const SurfelRay<V>& r = rays.ray[i];
-        const auto h = hessian_at<Degree, V>(s.sheet[i], r.bu + at.root.t * r.du,
-                                             r.bv + at.root.t * r.dv);
+        const V u = r.bu + at.root.t * r.du, v = r.bv + at.root.t * r.dv;
+        const auto h = hessian_from<V>(
+            s.sheet[i], s.hessian ? s.hessian->at(u, v)
+                                  : second_derivatives<Degree, V>(s.sheet[i], u, v));
         const auto own = at.sheet == static_cast<float>(i);
         for (std::size_t k = 0; k < 6; ++k) out[k] = select<V>(own, h[k], out[k]);
     }

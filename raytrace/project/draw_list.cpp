@@ -54,9 +54,9 @@ bool may_be_seen(const PixelView& view, const PixelWindow& window, const Vec3d& 
 template <int Degree>
 class RecordBatch {
 public:
-    RecordBatch(const PixelView& view, const PixelWindow& window, const MarkedTiles* marked,
-                DrawList<Degree>& list)
-        : view_(view), window_(window), marked_(marked), list_(list) {}
+    RecordBatch(const PixelView& view, const PixelWindow& window, const LeafHessians* hessians,
+                const MarkedTiles* marked, DrawList<Degree>& list)
+        : view_(view), window_(window), hessians_(hessians), marked_(marked), list_(list) {}
 
     /// Entry i of the list, which is a node of the tree;
     /// `c` is the surfel's centre in camera coordinates.
@@ -101,6 +101,7 @@ public:
             if (!to_whole[k]->rect.empty()) records[k] = &list_.records[entry_[k]], any = true;
         }
         if (any) fill_pixel_records<Degree>(s, form, grid, records);
+        if (any && hessians_) put_hessians(s, records);
         batch_.clear();
     }
 
@@ -132,8 +133,28 @@ private:
         }
     }
 
+    void put_hessians(const SurfelLanes& s,
+                      const std::array<PixelRecord<Degree>*, kSurfelLanes>& wanted) const {
+        for (std::size_t k = 0; k < batch_.size(); ++k) {
+            if (!wanted[k]) continue;
+            HessianRecord& r = list_.hessians[entry_[k]];
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                r.u_axis[axis] = static_cast<float>(s.e_u[axis][k]),
+                r.v_axis[axis] = static_cast<float>(s.e_v[axis][k]);
+            r.inv_radius = static_cast<float>(1 / s.radius[k]);
+            if (const HeightHessian* known = hessians_->of(list_.items[entry_[k]].node)) {
+                r.p = *known;
+                continue;
+            }
+            Polynomial<double> p;
+            for (std::size_t i = 0; i < p.a.size(); ++i) p.a[i] = s.a[i][k];
+            r.p = hessian_of(p);
+        }
+    }
+
     const PixelView& view_;
     const PixelWindow& window_;
+    const LeafHessians* hessians_;
     const MarkedTiles* marked_;
     DrawList<Degree>& list_;
     SurfelBatch batch_;
@@ -164,12 +185,14 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
 
 /// What the general kernels draw, in order.
 template <int Degree>
-void add_general(const PixelView& view, const SurfelTree& tree, DrawList<Degree>& list) {
+void add_general(const PixelView& view, const SurfelTree& tree, const LeafHessians* hessians,
+                 DrawList<Degree>& list) {
     for (const std::uint32_t i : list.order) {
         DrawItem& item = list.items[i];
         if (item.general == kFast) continue;
         item.general = static_cast<std::uint32_t>(list.general.size());
         list.general.push_back(sharp_record(view, drawn_surfel(tree, item.node), item.node));
+        if (hessians) list.general.back().hessian = hessians->of(item.node);
     }
 }
 
@@ -177,14 +200,15 @@ void add_general(const PixelView& view, const SurfelTree& tree, DrawList<Degree>
 
 template <int Degree>
 DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                           std::span<const std::uint32_t> cut, const MarkedTiles* marked) {
-    DrawList<Degree> list(cut.size());
+                           std::span<const std::uint32_t> cut, const LeafHessians* hessians,
+                           const MarkedTiles* marked) {
+    DrawList<Degree> list(cut.size(), hessians != nullptr);
     std::vector<std::uint32_t> keys(cut.size());
     std::atomic<bool> any_general = false;
     const double z_root = tree.n_nodes() > 0 ? view.camera_from_local(tree.center(0)).z : 0;
     constexpr std::size_t kGrain = 512;
     parallel_blocks(cut.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        RecordBatch<Degree> batch(view, window, marked, list);
+        RecordBatch<Degree> batch(view, window, hessians, marked, list);
         for (std::size_t i = begin; i < end; ++i)
             fill_entry(view, window, tree, cut[i], i, marked, list, batch);
         batch.work_out();
@@ -199,15 +223,18 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
         }
     });
     list.order = sorted_order(keys, list.rects.span());
-    if (any_general) add_general(view, tree, list);
+    if (any_general) add_general(view, tree, hessians, list);
     return list;
 }
 
 template DrawList<1> draw_list<1>(const PixelView&, const PixelWindow&, const SurfelTree&,
-                                  std::span<const std::uint32_t>, const MarkedTiles*);
+                                  std::span<const std::uint32_t>, const LeafHessians*,
+                                  const MarkedTiles*);
 template DrawList<2> draw_list<2>(const PixelView&, const PixelWindow&, const SurfelTree&,
-                                  std::span<const std::uint32_t>, const MarkedTiles*);
+                                  std::span<const std::uint32_t>, const LeafHessians*,
+                                  const MarkedTiles*);
 template DrawList<3> draw_list<3>(const PixelView&, const PixelWindow&, const SurfelTree&,
-                                  std::span<const std::uint32_t>, const MarkedTiles*);
+                                  std::span<const std::uint32_t>, const LeafHessians*,
+                                  const MarkedTiles*);
 
 }  // namespace slim

@@ -9,6 +9,7 @@
 #include "raytrace/renderer.h"
 #include "slim/model/rim.h"
 #include "slim/model/surfel_tree.h"
+#include "slim/blend/leaf_hessians.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -54,23 +55,29 @@ struct alignas(64) DrawItem {
 /// The cut, ready to draw, entry by entry.
 template <int Degree>
 struct DrawList {
-    explicit DrawList(std::size_t n) : items(n), rects(n), whole(n), core(n), records(n) {}
+    DrawList(std::size_t n, bool with_hessians)
+        : items(n), rects(n), whole(n), core(n), records(n), hessians(with_hessians ? n : 0) {}
 
     Entries<DrawItem> items;
     Entries<ScreenRect> rects;             ///< those of `whole`
     Entries<Footprint> whole, core;  ///< of the surface in the support ball, and
                                      ///< in the ball shrunken by kHitTrim
     Entries<PixelRecord<Degree>> records;  ///< of what is on the screen and not general
+    Entries<HessianRecord> hessians;       ///< of the same; none if not wanted
     /// Sharp surfels, and those near the eye or far off the axis.
     std::vector<SharpRecord> general;
     std::vector<std::uint32_t> order;  ///< entries on the screen, by near_hit,
                                        ///< ties in the cut's order
 };
 
-/// `marked`, if given: of the window only these tiles are drawn, and what touches none is off the
-/// screen.
+/// hessians  of the nodes of the cut, if second derivatives are to be summed; must outlive the
+///           list
+/// marked    if given: of the window only these tiles are drawn, and what touches none is off the
+///           screen
 template <int Degree>
 DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                           std::span<const std::uint32_t> cut, const MarkedTiles* marked = nullptr);
+                           std::span<const std::uint32_t> cut,
+                           const LeafHessians* hessians = nullptr,
+                           const MarkedTiles* marked = nullptr);
 
 }  // namespace slim

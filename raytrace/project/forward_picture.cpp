@@ -166,14 +166,14 @@ template <int Degree>
 class ForwardPicture::ReadyOf : public Ready {
 public:
     ReadyOf(const SurfelTree& tree, const PixelView& view, const PixelWindow& grid,
-            std::span<const std::uint32_t> cut, const SampleMask* only, bool clean_outlines,
-            RenderStats& stats)
+            std::span<const std::uint32_t> cut, const LeafHessians* hessians,
+            const SampleMask* only, bool clean_outlines, RenderStats& stats)
         : tree_(tree),
           view_(view),
           grid_(grid),
           only_(only),
           clean_outlines_(clean_outlines),
-          list_(list_of(cut, stats)),
+          list_(list_of(cut, hessians, stats)),
           bins_(bins_of(stats)) {}
 
     TileCounts draw(const PixelWindow& window, GBuffer& out) const override {
@@ -185,13 +185,15 @@ public:
     }
 
 private:
-    DrawList<Degree> list_of(std::span<const std::uint32_t> cut, RenderStats& stats) const {
+    DrawList<Degree> list_of(std::span<const std::uint32_t> cut, const LeafHessians* hessians,
+                             RenderStats& stats) const {
         Clock clock;
         std::optional<MarkedTiles> marked;
         if (only_) marked.emplace(*only_, grid_);
-        auto list = draw_list<Degree>(view_, grid_, tree_, cut, marked ? &*marked : nullptr);
+        auto list = draw_list<Degree>(view_, grid_, tree_, cut, hessians,
+                                      marked ? &*marked : nullptr);
         stats.surfels_drawn = list.order.size();
-        stats.decode_ms = clock.lap_ms();
+        stats.decode_ms += clock.lap_ms();
         return list;
     }
     TileBins bins_of(RenderStats& stats) {
@@ -232,8 +234,15 @@ ForwardPicture::ForwardPicture(const SurfelTree& tree, const RenderRequest& requ
     stats_.loose_hidden = met.loose_hidden;
     if (request.on_met) request.on_met(visited);
     stats_.cut_ms = clock.lap_ms();
+    LeafHessians* hessians = nullptr;
+    if (wanted_ & kHessianChannels) {
+        if (!request.hessians) own_hessians_ = std::make_unique<LeafHessians>(tree);
+        hessians = request.hessians ? request.hessians : own_hessians_.get();
+        hessians->prepare(cut, request.on_met);
+        stats_.decode_ms = clock.lap_ms();
+    }
     const auto make = [&]<int Degree>() -> std::unique_ptr<Ready> {
-        return std::make_unique<ReadyOf<Degree>>(tree, view, grid, cut, only,
+        return std::make_unique<ReadyOf<Degree>>(tree, view, grid, cut, hessians, only,
                                                  request.clean_outlines, stats_);
     };
     const int degree = tree.header().degree;

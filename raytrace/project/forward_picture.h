@@ -4,6 +4,7 @@
 #include "raytrace/renderer.h"
 #include "raytrace/sample_mask.h"
 #include "slim/model/surfel_tree.h"
+#include "slim/blend/leaf_hessians.h"
 
 #include <memory>
 
@@ -37,6 +38,7 @@ private:
 
     Channels wanted_;
     RenderStats stats_;  ///< of the cut
+    std::unique_ptr<LeafHessians> own_hessians_;  ///< if the request has none
     std::unique_ptr<Ready> ready_;
 };
 

@@ -74,30 +74,6 @@ void put_gradient(const LocalForm& p, RecordLanes<2>& r) {
     }
 }
 
-/// Second derivatives along the surfels' axes, over -rho, in the camera's.
-std::array<Floats, 6> turned(const SurfelLanes& s, const DoubleV& uu, const DoubleV& uv,
-                             const DoubleV& vv) {
-    const DoubleV scale = -1.0 / s.radius;
-    const Vec3D along_u = (s.e_u * uu + s.e_v * uv) * scale,
-                along_v = (s.e_u * uv + s.e_v * vv) * scale;
-    std::array<Floats, 6> out;
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = i; j < 3; ++j)
-            out[at++] = floats_of(along_u[i] * s.e_u[j] + along_v[i] * s.e_v[j]);
-    return out;
-}
-
-template <int Degree>
-void put_hessian(const SurfelLanes& s, RecordLanes<Degree>& r) {
-    const auto& a = s.a;
-    r.hessian[0] = turned(s, 2.0 * a[3], a[4], 2.0 * a[5]);
-    if constexpr (Degree == 3) {
-        r.hessian[1] = turned(s, 6.0 * a[6], 2.0 * a[7], 2.0 * a[8]);
-        r.hessian[2] = turned(s, 2.0 * a[7], 2.0 * a[8], 6.0 * a[9]);
-    }
-}
-
 /// Lane k to *out[k], unless that is null.
 template <int Degree>
 void scatter(const RecordLanes<Degree>& lanes,
@@ -168,7 +144,6 @@ template <int Degree>
     const Form<Degree> f = height_form<Degree>(local);
     for (std::size_t k = 0; k < r.f.size(); ++k) r.f[k] = floats_of(f.c[k]);
     if constexpr (Degree == 2) put_gradient(local, r);
-    put_hessian(s, r);
     scatter(r, out);
 }
 

@@ -206,7 +206,8 @@ void blend_behind(const DrawList<Degree>& list, std::span<const std::uint32_t> e
         const BlockMask left = at_depth(picked, one.blocks, scale);
         if (!left.any()) return;
         batch.add(BlendWork<Degree>(
-                      SurfelOnTile<Degree>(list.records[i], item, list.whole[i], scale, t)),
+                      SurfelOnTile<Degree>(list.records[i], item, list.whole[i], scale, t),
+                      list.hessians.data() + (kWantHessian ? i : 0)),
                   left);
         if (batch.full()) flush();
     });

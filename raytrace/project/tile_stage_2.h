@@ -13,6 +13,7 @@ namespace slim {
 /// Stage 2 of some pixels: eqs (6) and (7) around q^, with the gates of add_supporter (slim/blend).
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::always_inline]] inline void blend(const SurfelOnTile<Degree>& surfel,
+                                         const HessianRecord* hessian,
                                          const RowOf<Degree, FloatV>& row, const FloatV& s,
                                          std::size_t i, float reach, const TileSums& sums,
                                          TileBuffers& t) {
@@ -44,8 +45,9 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
     add_to_sums(t, i, taken, rim_share, sq_distance, dz, g, sums,
                 [&](const FloatV& w) __attribute__((always_inline)) {
                     if constexpr (!kWantHessian) return;
-                    const auto at = row.plane(s, tau, share);
-                    for (std::size_t n = 0; n < 6; ++n) t.hessian[n].add(i, w * row.hessian(n, at));
+                    const auto [u, v] = row.plane(s, tau, share);
+                    const auto h = hessian_from<FloatV>(*hessian, hessian->p.at(u, v));
+                    for (std::size_t n = 0; n < 6; ++n) t.hessian[n].add(i, w * h[n]);
                     if constexpr (!kWantThird) return;
                     const auto c = third_of(r);
                     for (std::size_t n = 0; n < 10; ++n) t.third[n].add(i, w * c[n]);
@@ -56,10 +58,12 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 template <int Degree>
 struct BlendWork {
     SurfelOnTile<Degree> surfel;
+    const HessianRecord* hessian;  ///< only where it is wanted
     float reach;
 
-    explicit BlendWork(const SurfelOnTile<Degree>& on_tile)
+    explicit BlendWork(const SurfelOnTile<Degree>& on_tile, const HessianRecord* at = nullptr)
         : surfel(on_tile),
+          hessian(at),
           // |dq/dtau| is at least 1 / h^2, and h at most 1 / (1 - kappa).
           reach(1.001f * static_cast<float>(kBelongs) / ((1 - surfel.kappa) * (1 - surfel.kappa))) {
     }
@@ -71,8 +75,9 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
                                                 const TileSums& sums, TileBuffers& t) {
     batch.for_each([&](const BlendWork<Degree>& work, int block) __attribute__((always_inline)) {
         blend<Degree, kWantHessian, kSharpModel, kWantThird>(
-            work.surfel, work.surfel.row_of(t.places, block, 1), work.surfel.s_of(t.places, block),
-            static_cast<std::size_t>(block * kLanes), work.reach, sums, t);
+            work.surfel, work.hessian, work.surfel.row_of(t.places, block, 1),
+            work.surfel.s_of(t.places, block), static_cast<std::size_t>(block * kLanes), work.reach,
+            sums, t);
     });
 }
 
@@ -127,7 +132,7 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
         if (!blocks.any()) continue;
         const SurfelOnTile<Degree> surfel(list.records[i], item, list.whole[i],
                                           some.depths.scale(lane), t);
-        batch.add(BlendWork<Degree>(surfel), blocks);
+        batch.add(BlendWork<Degree>(surfel, list.hessians.data() + (kWantHessian ? i : 0)), blocks);
         if (batch.full()) flush();
     }
     flush();

@@ -127,8 +127,9 @@ struct SharpAtHits {
 
 /// Stage 2 of one smooth surfel, with the gates of add_supporter (slim/blend).
 template <int Degree, Derivatives kWanted>
-[[gnu::always_inline]] inline void blend_smooth(const TraceRecord& r, const RaysAtHits& at,
-                                                bool closely, BlendLanes& sums) {
+[[gnu::always_inline]] inline void blend_smooth(const TraceRecord& r, const HeightHessian* hessian,
+                                                const RaysAtHits& at, bool closely,
+                                                BlendLanes& sums) {
     const BallAtHits in(r, at);
     if (stdx::none_of(in.inside)) return;
     const SmoothAtHits<Degree> surfel(r, at, in);
@@ -147,7 +148,8 @@ template <int Degree, Derivatives kWanted>
     const FloatV sq_distance = surfel.ball.value(root.t) + FloatV(1.0f);
     const FloatV w = add_root(r, taken, share, sq_distance, root.t, gradient, sums);
     if constexpr (kWanted >= Derivatives::second) {
-        const auto h = hessian_at<Degree, FloatV>(r, u, v);
+        const auto h = hessian_from<FloatV>(
+            r, hessian ? hessian->at(u, v) : second_derivatives<Degree, FloatV>(r, u, v));
         for (std::size_t n = 0; n < 6; ++n) sums.hessian[n] += w * h[n];
     }
     if constexpr (kWanted >= Derivatives::third) {
@@ -244,6 +246,7 @@ inline void pass_sharp(const TraceRecord& r, const SharpRecord& sharp, const Ray
 template <Derivatives kWanted>
 [[gnu::flatten]] inline void blend_surfel(const TraceModel& model, const TraceRecord& r,
                                           const RaysAtHits& at, BlendLanes& sums) {
+    const HeightHessian* hessian = kWanted >= Derivatives::second ? model.hessian_of(r) : nullptr;
     if (r.sharp != TraceRecord::kNotSharp) {
         const SharpRecord& sharp = model.sharp[r.sharp];
         if (r.degree == 3)
@@ -251,11 +254,11 @@ template <Derivatives kWanted>
         else
             blend_sharp<2, kWanted>(r, sharp, at, sums);
     } else if (r.degree == 2) {
-        blend_smooth<2, kWanted>(r, at, model.is_sharp, sums);
+        blend_smooth<2, kWanted>(r, hessian, at, model.is_sharp, sums);
     } else if (r.degree == 1) {
-        blend_smooth<1, kWanted>(r, at, model.is_sharp, sums);
+        blend_smooth<1, kWanted>(r, hessian, at, model.is_sharp, sums);
     } else {
-        blend_smooth<3, kWanted>(r, at, model.is_sharp, sums);
+        blend_smooth<3, kWanted>(r, hessian, at, model.is_sharp, sums);
     }
 }
 

@@ -150,6 +150,7 @@ TraceModel trace_model(const SurfelTree& tree, const SceneFrame& scene, const Mo
                        const Vec3d& offset, bool loose) {
     TraceModel model;
     model.place = place;
+    model.hessians = std::make_unique<LeafHessians>(tree);
     const SceneFrame& frame = model.frame = place.frame(scene);
     model.is_sharp = !tree.sharp().empty();
     const auto leaves = wanted_leaves(tree, loose, model.loose_hidden);

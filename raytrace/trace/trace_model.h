@@ -6,9 +6,11 @@
 #include "raytrace/trace/model_place.h"
 #include "slim/model/rim.h"
 #include "slim/model/surfel_tree.h"
+#include "slim/blend/leaf_hessians.h"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace slim {
@@ -40,16 +42,21 @@ struct TraceModel {
     Bvh bvh;                  ///< `order` is empty: record i is item i
     std::vector<BoxF> balls;  ///< of each node
     std::vector<TraceRecord> records;
+    std::unique_ptr<LeafHessians> hessians;  ///< of its tree; nothing is known before it is asked
     std::vector<SharpRecord> sharp;  ///< sheets in the scene's axes; fields of a view unused
     std::uint64_t loose_hidden = 0;
     bool is_sharp = false;  ///< the model has sharp surfels: the close gate (Gate in slim/blend)
+
+    const HeightHessian* hessian_of(const TraceRecord& r) const {
+        return hessians->of(r.node);
+    }
 };
 
 /// What stage 1 can hit of a surfel; a sharp one reaches anywhere in its shrunken ball.
 BoxF hit_box(const TraceRecord& r);
 
 /// Decodes a model's leaves for rays; `offset` is where its file's frame lies in the job's. Loose
-/// leaves only if asked.
+/// leaves only if asked. The tree's arrays must outlive the model.
 ///
 /// cost  O(n log n) for n leaves, in parallel; 220 bytes a leaf
 TraceModel trace_model(const SurfelTree& tree, const SceneFrame& scene, const ModelPlace& place,

@@ -162,6 +162,8 @@ RenderStats render_traced(const TraceScene& scene, const RenderRequest& request,
             plane.assign(scene.is_wide() ? out.n_pixels() : 0, 0.0f);
     }
     const Derivatives wanted = derivatives_for(out, degree_of(scene));
+    if (wanted > Derivatives::first)
+        for (const TraceModel& model : scene.models()) model.hessians->prepare_all();
     std::vector<Counts> rows(n_block_rows(window));
     for_blocks(window, [&](std::size_t row, const PixelBlock& block) {
         draw_block(scene, view, block, wanted, request.clean_outlines, out, planes, rows[row]);

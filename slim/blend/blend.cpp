@@ -9,14 +9,19 @@
 namespace slim {
 namespace {
 
-/// H += weight * Hess f at local (u, v): sum over a, b of -P_ab / rho e_a e_b^T (NUMERICS 5.1).
+/// P_uu, P_uv, P_vv at a root.
+std::array<double, 3> second_derivatives(const Surfel& s, const SheetRoot& root) {
+    const double u = root.local.x, v = root.local.y;
+    if (s.hessian) return s.hessian->at(u, v);
+    const Polynomial<double>& p = s.sheet_polynomial(root.sheet);
+    return {p.d_uu(u, v), p.d_uv(u, v), p.d_vv(u, v)};
+}
+
+/// H += weight * Hess f at a root: sum over a, b of -P_ab / rho e_a e_b^T (NUMERICS 5.1).
 void add_hessian(const Surfel& s, const SheetRoot& root, double weight, SymmetricMatrix& h) {
     const double scale = -weight / s.support_radius;
-    const double u = root.local.x, v = root.local.y;
-    const Polynomial<double>& p = s.sheet_polynomial(root.sheet);
-    const double uu = scale * p.d_uu(u, v);
-    const double uv = scale * p.d_uv(u, v);
-    const double vv = scale * p.d_vv(u, v);
+    const auto p = second_derivatives(s, root);
+    const double uu = scale * p[0], uv = scale * p[1], vv = scale * p[2];
     const Frame<double>& frame = s.sheet_frame(root.sheet);
     const Vec3d &eu = frame.u_axis, &ev = frame.v_axis;
     const Vec3d a = eu * uu + ev * uv, b = eu * uv + ev * vv;  // H = a eu^T + b ev^T

@@ -2,6 +2,7 @@
 
 #include "slim/base/frame.h"
 #include "slim/base/vec.h"
+#include "slim/model/height_hessian.h"
 #include "slim/model/polynomial.h"
 #include "slim/model/rim.h"
 #include "slim/model/sharp_sheets.h"
@@ -25,6 +26,9 @@ struct Surfel {
     std::shared_ptr<const SharpSheets> sharp = nullptr;
 
     PackedRims rims = {};  ///< of smooth surfels, in the axes of `frame`
+    /// what is better known of a smooth surfel's second derivatives than its polynomial tells
+    /// (slim/blend/leaf_hessians.h); null: nothing
+    const HeightHessian* hessian = nullptr;
 
     std::size_t n_sheets() const { return sharp ? sharp->n_sheets() : 1; }
     const Frame<double>& sheet_frame(std::size_t i) const {

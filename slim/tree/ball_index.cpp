@@ -36,9 +36,12 @@ std::vector<std::uint32_t> leaf_nodes(const SurfelTree& tree) {
     return nodes;
 }
 
-std::vector<Surfel> leaves_of(const SurfelTree& tree) {
+std::vector<Surfel> leaves_of(const SurfelTree& tree, const LeafHessians* hessians) {
     std::vector<Surfel> leaves;
-    for (const std::uint32_t i : leaf_nodes(tree)) leaves.push_back(tree.surfel(i));
+    for (const std::uint32_t i : leaf_nodes(tree)) {
+        leaves.push_back(tree.surfel(i));
+        if (hessians) leaves.back().hessian = hessians->of(i);
+    }
     return leaves;
 }
 
@@ -62,7 +65,8 @@ void BallIndex::Boxes::set(std::size_t i, const Bbox& box) {
     }
 }
 
-BallIndex::BallIndex(const SurfelTree& tree) : BallIndex(leaves_of(tree), leaf_nodes(tree)) {}
+BallIndex::BallIndex(const SurfelTree& tree, const LeafHessians* hessians)
+    : BallIndex(leaves_of(tree, hessians), leaf_nodes(tree)) {}
 
 BallIndex::BallIndex(std::vector<Surfel> leaves) {
     std::vector<std::uint32_t> nodes = numbers_up_to(leaves.size());

@@ -3,6 +3,7 @@
 #include "slim/base/bbox.h"
 #include "slim/model/surfel.h"
 #include "slim/model/surfel_tree.h"
+#include "slim/blend/leaf_hessians.h"
 
 #include <array>
 #include <cstdint>
@@ -14,7 +15,8 @@ namespace slim {
 /// For measuring and smoothing, which ask at millions of points. 280 bytes a leaf.
 class BallIndex {
 public:
-    explicit BallIndex(const SurfelTree& tree);
+    /// hessians: of the leaves, if curvature is to be blended; must outlive the index.
+    explicit BallIndex(const SurfelTree& tree, const LeafHessians* hessians = nullptr);
     /// Of surfels that no model holds; node(i) is the place in the list.
     explicit BallIndex(std::vector<Surfel> leaves);
 

@@ -24,7 +24,6 @@ using OneLane = stdx::simd<float, stdx::simd_abi::scalar>;
 struct Direct {
     double f, sq_distance;
     Vec3d local, gradient;
-    std::array<double, 6> hessian;  ///< of f rho, over 1 / rho, camera axes
 
     Direct(const PixelView& view, const Surfel& s, int x, int y, double z) {
         const Vec3d q = (view.point_at(x + 0.5, y + 0.5, z) - s.center) / s.support_radius;
@@ -32,16 +31,6 @@ struct Direct {
         f = local.z - s.polynomial.value(local.x, local.y);
         sq_distance = sq_length(q);
         gradient = view.rotate_to_camera(world_gradient(s, local.x, local.y));
-        const Vec3d u = view.rotate_to_camera(s.frame.u_axis),
-                    v = view.rotate_to_camera(s.frame.v_axis);
-        const double uu = s.polynomial.d_uu(local.x, local.y),
-                     uv = s.polynomial.d_uv(local.x, local.y),
-                     vv = s.polynomial.d_vv(local.x, local.y);
-        std::size_t at = 0;
-        for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = i; j < 3; ++j)
-                hessian[at++] =
-                    -(uu * u[i] * u[j] + uv * (u[i] * v[j] + v[i] * u[j]) + vv * v[i] * v[j]);
     }
 };
 
@@ -91,8 +80,6 @@ void expect_direct_values(bool orthographic, double nearest) {
         const auto plane = row.plane(at, tau, share);
         ASSERT_NEAR(plane.u[0], direct.local.x, tolerance);
         ASSERT_NEAR(plane.v[0], direct.local.y, tolerance);
-        for (std::size_t k = 0; k < 6; ++k)
-            ASSERT_NEAR(row.hessian(k, plane)[0] * r.radius, direct.hessian[k], tolerance) << k;
         const auto g = row.gradient(at, tau, share);
         ASSERT_NEAR(g.x[0], direct.gradient.x, tolerance);
         ASSERT_NEAR(g.y[0], direct.gradient.y, tolerance);
@@ -129,7 +116,6 @@ TEST(PixelRecord, EveryLaneIsItsOwnSurfel) {
         EXPECT_EQ(records[k].base_x, alone.base_x);
         EXPECT_EQ(records[k].f, alone.f);
         EXPECT_EQ(records[k].v_axis, alone.v_axis);
-        EXPECT_EQ(records[k].hessian, alone.hessian);
         EXPECT_EQ(records[k].a, alone.a);
         const Footprint foot = footprint(view, surfels[k]);
         EXPECT_EQ(feet[k].rect.x0, foot.rect.x0);
