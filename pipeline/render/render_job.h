@@ -1,8 +1,8 @@
 #pragma once
 
 #include "pipeline/contains.h"
-#include "pipeline/render/ray_options.h"
 #include "pipeline/render/model_reads.h"
+#include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_aov.h"
 #include "pipeline/render/render_config.h"
 #include "pipeline/render/render_files.h"

@@ -7,9 +7,9 @@
 #include "raytrace/project/screen_rect.h"
 #include "raytrace/project/sharp_record.h"
 #include "raytrace/renderer.h"
+#include "slim/blend/leaf_hessians.h"
 #include "slim/model/rim.h"
 #include "slim/model/surfel_tree.h"
-#include "slim/blend/leaf_hessians.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,8 +3,8 @@
 #include "raytrace/frame.h"
 #include "raytrace/renderer.h"
 #include "raytrace/sample_mask.h"
-#include "slim/model/surfel_tree.h"
 #include "slim/blend/leaf_hessians.h"
+#include "slim/model/surfel_tree.h"
 
 #include <memory>
 

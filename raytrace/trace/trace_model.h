@@ -4,9 +4,9 @@
 #include "raytrace/scene_frame.h"
 #include "raytrace/trace/bvh.h"
 #include "raytrace/trace/model_place.h"
+#include "slim/blend/leaf_hessians.h"
 #include "slim/model/rim.h"
 #include "slim/model/surfel_tree.h"
-#include "slim/blend/leaf_hessians.h"
 
 #include <array>
 #include <cstdint>

@@ -2,8 +2,8 @@
 
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
-#include "slim/model/weight_kernel.h"
 #include "slim/blend/shape_field.h"
+#include "slim/model/weight_kernel.h"
 
 #include <algorithm>
 #include <atomic>

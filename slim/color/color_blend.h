@@ -14,7 +14,7 @@ namespace slim {
 /// surface is.
 class ColorBlend {
 public:
-    /// Both must outlive it. 280 bytes a leaf.
+    /// Both must outlive it. 290 bytes a leaf.
     ColorBlend(const SurfelTree& tree, std::span<const PackedColor> colors)
         : tree_(tree), colors_(colors), index_(tree) {}
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "slim/base/bbox.h"
+#include "slim/blend/leaf_hessians.h"
 #include "slim/model/surfel.h"
 #include "slim/model/surfel_tree.h"
-#include "slim/blend/leaf_hessians.h"
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace slim {
 
 /// The leaves of a model, decoded, under an implicit tree of boxes: which of them hold a point?
-/// For measuring and smoothing, which ask at millions of points. 280 bytes a leaf.
+/// For measuring and smoothing, which ask at millions of points. 290 bytes a leaf.
 class BallIndex {
 public:
     /// hessians: of the leaves, if curvature is to be blended; must outlive the index.
