@@ -163,11 +163,20 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const double energy = mdl(fit.sq_error, radius);
     const double upper = mdl.upper_bound(fit, radius);
     const double missed = fit.sq_missed + mdl.price(radius);
-    return Rung{rung, level, found.degree, end, n_sample, energy, upper,
-                energy - missed, upper - missed,
-                missed + fit.sq_missed_slope, 2 * fit.sq_missed_error,
-                radius * radius, fit.sq_slope_error,
-                fit.sq_slope_error * (1 + 2 / std::sqrt(fit.n_effective))};
+    return Rung{.index = rung,
+                .level = level,
+                .degree = found.degree,
+                .end = end,
+                .n = n_sample,
+                .energy = energy,
+                .upper = upper,
+                .noise = energy - missed,
+                .noise_upper = upper - missed,
+                .missed = missed + fit.sq_missed_slope,
+                .missed_error = 2 * fit.sq_missed_error,
+                .sq_radius = radius * radius,
+                .slope = fit.sq_slope_error,
+                .slope_upper = fit.sq_slope_error * (1 + 2 / std::sqrt(fit.n_effective))};
 }
 
 RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWork& work) const {
@@ -180,7 +189,8 @@ RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWo
     else
         out.fit = fit_ball_ahead(work.ball, 1, out.frame, degree_);
     if (is_rounding(out.fit.sq_error, work.ball.radius))
-        out.fit.sq_missed = out.fit.sq_missed_error = out.fit.sq_missed_slope = 0;
+        out.fit.sq_missed = out.fit.sq_missed_error = out.fit.sq_missed_slope =
+            out.fit.sq_slope_error = 0;
     return out;
 }
 
