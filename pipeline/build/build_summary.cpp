@@ -112,8 +112,10 @@ std::string build_summary(const std::string& model, const std::vector<std::strin
     const double diagonal = result.at("stages").at("slice").at("diagonal").get<double>();
     const double lambda = result.value("noise_variance", 0.0),
                  typical = result.value("typical_variance", lambda);
+    const nlohmann::json& fit = result.at("stages").at("fit");
     std::string noise = fmt::format("noise {:.2g}", noise_over_diagonal(lambda, diagonal));
-    if (is_mostly_edges(lambda, typical))
+    if (fit.value("step_variance", 0.0) > 0) noise += " (of coordinates in steps)";
+    else if (is_mostly_edges(lambda, typical))
         noise += fmt::format(" (of edges and bends; {:.2g} at a typical place)",
                              noise_over_diagonal(typical, diagonal));
     std::string text = fmt::format(

@@ -5,6 +5,7 @@
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
+#include "slim/fit/coordinate_steps.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/fit/normal_variance.h"
 
@@ -81,11 +82,20 @@ struct NormalsSaid {
     double not_own = 0;  ///< estimated, missing and turned ones
     double estimated = 0;
     std::vector<NoiseVariance> noise;
+    CoordinateSteps steps;
 };
+
+CoordinateSteps steps_from(const nlohmann::json& j) {
+    CoordinateSteps steps;
+    j.at("samples").get_to(steps.n_sampled), j.at("stepped").get_to(steps.n_stepped);
+    j.at("rounded").get_to(steps.n_rounded), j.at("variance").get_to(steps.variance);
+    return steps;
+}
 
 /// throws json::exception where the result is another version's
 void add_slice(const nlohmann::json& result, NormalsSaid& out) {
     add_noise(result.at("noise"), out.noise);
+    out.steps += steps_from(result.at("coordinate_steps"));
     out.noisy += result.at("noisy").get<double>();
     out.points += result.at("points").get<double>();
     // Missing and turned ones are no more the cloud's own than estimated ones.
@@ -144,7 +154,8 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;
-    const double smoothed = smoothed_variance(plan), least = std::max(floor, smoothed);
+    const double smoothed = smoothed_variance(plan), stepped = said.steps.noise_variance(),
+                 least = std::max({floor, smoothed, stepped});
     out.noise_variance = lambda > 0 ? lambda : std::max(measured, least);
     out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), least);
     // Points on faces have no strays.
@@ -153,7 +164,11 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double volume = volume_of(plan.bounds);
     if (is_strayed && volume > 0)
         out.stray_density = stray_share(chosen) * static_cast<double>(plan.n_points) / volume;
-    out.floored = lambda <= 0 && std::max(measured, smoothed) < floor;
+    out.floored = lambda <= 0 && std::max({measured, smoothed, stepped}) < floor;
+    if (lambda <= 0 && out.noise_variance == stepped) {
+        out.step_variance = stepped;
+        out.typical_variance = std::max(out.typical_variance, stepped);
+    }
     out.normals_inform = said.not_own <= kFewEstimated * said.points &&
                          chosen.independence >= kIndependent &&
                          normals_inform(chosen.typical, chosen.normal, chosen.spacing);

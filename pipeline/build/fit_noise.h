@@ -9,8 +9,10 @@ namespace slim {
 /// What all slices share: lambda, spacing and the noise of the normals, from the normals stage's
 /// manifests.
 struct GlobalNoise {
-    /// lambda: no less than (4 q)^2, q the coordinates' step, and smoothed_variance()
+    /// lambda: no less than (4 q)^2, q the step between floats, than smoothed_variance(), and than
+    /// what the coordinates' own steps make
     double noise_variance = 0;
+    double step_variance = 0;   ///< lambda if it is that of the steps, else 0
     double mean_variance = 0;   ///< lambda with all strays and noisy parts
     double stray_density = 0;   ///< strays to the volume of the cloud's box; 0 if they hardly count
     bool are_estimated = false;   ///< most of the normals are

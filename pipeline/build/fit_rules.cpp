@@ -34,6 +34,7 @@ CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SliceP
     rules.ask_for_edges = options.sharp == "auto" && !rules.windows && !rules.sharp;
     rules.n_points = plan.n_points;
     rules.ladder.contrary_share = noise.contrary_share;
+    rules.ladder.least_sq_error = noise.step_variance;
     rules.spacing = noise.spacing;
     rules.typical_variance = noise.typical_variance;
     rules.stray_density = noise.stray_density;
@@ -69,6 +70,7 @@ nlohmann::json rules_json(const CoverRules& rules) {
         {"stray_density", rules.stray_density},
         {"seed", rules.seed}};
     if (rules.lines_are_wires) out["lines_are_wires"] = true;
+    if (rules.ladder.least_sq_error > 0) out["step_variance"] = rules.ladder.least_sq_error;
     return out;
 }
 

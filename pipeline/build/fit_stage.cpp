@@ -219,6 +219,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     if (!up_to_date) warn_of_merged_sheets(noise, sum, context.reporter);
     sum["noise_variance"] = noise.noise_variance;
     if (!(config.lambda > 0)) sum["typical_variance"] = noise.typical_variance;
+    sum["step_variance"] = noise.step_variance;
     sum["noise_variance_floored"] = noise.floored;
     sum["contrary_share"] = noise.contrary_share;
     sum["follow_normals"] = rules.follow_normals;

@@ -10,6 +10,7 @@
 #include "pipeline/manifest.h"
 #include "pipeline/peak_memory.h"
 #include "slim/base/error.h"
+#include "slim/fit/coordinate_steps.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/neighbors/point_tree.h"
 #include "slim/slicing/block_plan.h"
@@ -30,24 +31,32 @@ constexpr std::size_t kFewestOfSlice = 100;  // samples of a slice for a mean ov
 constexpr std::uint64_t kBytesKept = 210;    // a point: 136 in use, and what is kept beside it
 constexpr std::uint64_t kBytesAhead = 46;    // a point of the next slice
 
+struct MeasuredNoise {
+    std::vector<NoiseVariance> by_neighbors;  ///< one for each number of neighbours
+    CoordinateSteps steps;
+};
+
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
 /// number of neighbours counts is decided for all slices together: a job of several measures each,
 /// those that are rarely wanted only if this slice is not flat before.
-std::vector<NoiseVariance> noise_of(const PointBlock& points, const NearestSearch& search,
-                                    const std::vector<bool>& own, const SlicePlan& plan) {
+MeasuredNoise noise_of(const PointBlock& points, const NearestSearch& search,
+                       const std::vector<bool>& own, const SlicePlan& plan) {
     const std::vector<std::uint32_t> samples =
         sample_points(points, own, kSamples / static_cast<double>(plan.n_points));
-    if (plan.slices.size() == 1)
-        return {estimate_noise_variance(search, samples, 0, points.normal)};
+    MeasuredNoise out{{}, coordinate_steps(search, samples)};
+    if (plan.slices.size() == 1) {
+        out.by_neighbors = {estimate_noise_variance(search, samples, 0, points.normal)};
+        return out;
+    }
     // All slices together have four times as many as one slice would, or more.
     const std::size_t fewest =
         std::clamp(4 * kFewestSamples / plan.slices.size(), kFewestOfSlice, kFewestSamples);
-    std::vector<NoiseVariance> noise;
     for (const std::size_t k : kNoiseNeighbors) {
-        noise.push_back(estimate_noise_variance(search, samples, k, points.normal, fewest));
-        if (k >= kUsualMostNeighbors && noise.back().flatness <= kFlat) break;
+        out.by_neighbors.push_back(
+            estimate_noise_variance(search, samples, k, points.normal, fewest));
+        if (k >= kUsualMostNeighbors && out.by_neighbors.back().flatness <= kFlat) break;
     }
-    return noise;
+    return out;
 }
 
 nlohmann::json vector_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
@@ -90,10 +99,16 @@ nlohmann::json bins_json(const VarianceBins& bins) {
     return out;
 }
 
-nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVariance>& noise,
-                           std::size_t n) {
+nlohmann::json steps_json(const CoordinateSteps& s) {
+    return {{"samples", s.n_sampled},
+            {"stepped", s.n_stepped},
+            {"rounded", s.n_rounded},
+            {"variance", s.variance}};
+}
+
+nlohmann::json report_json(const NormalsReport& r, const MeasuredNoise& noise, std::size_t n) {
     nlohmann::json measured = nlohmann::json::array();
-    for (const NoiseVariance& v : noise)
+    for (const NoiseVariance& v : noise.by_neighbors)
         measured.push_back({{"variance", v.value},
                             {"flatness", v.flatness},
                             {"spacing", v.spacing},
@@ -121,7 +136,8 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
             {"unanchored_components", r.orientation.components},
             {"from_above", r.orientation.from_above},
             {"evidence", evidence_json(r.evidence)},
-            {"noise", measured}};
+            {"noise", measured},
+            {"coordinate_steps", steps_json(noise.steps)}};
 }
 
 /// next: the slice whose points are read ahead
@@ -164,7 +180,7 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         whole = {plan.bounds.center(), signs.has_value(), sampled, signs && signs->is_flat};
     const NormalsReport report = give_normals(points, search, own, whole, config, plan, sensors,
                                               from_above, context.reporter);
-    std::vector<NoiseVariance> noise;
+    MeasuredNoise noise;
     const auto measure_noise = [&] { noise = noise_of(points, search, own, plan); };
     if (in_memory) measure_noise();
     else {

@@ -52,6 +52,15 @@ void count_known(const std::vector<WideRadius>& radii, const std::vector<double>
     if (!known.empty()) out.noise = median(std::move(known)) / diagonal;
 }
 
+/// points: along the curve
+CoordinateSteps steps_of(const PointBlock& points) {
+    std::vector<std::uint32_t> samples;
+    const std::size_t stride = points.size() / kStepSamples + 1;
+    for (std::size_t i = 0; i < points.size(); i += stride)
+        samples.push_back(static_cast<std::uint32_t>(i));
+    return coordinate_steps(NearestSearch(points.position), samples);
+}
+
 /// Fits anew, unless `most_fits` is zero, and judges how much the fits, or else the model's own
 /// surface, are to be trusted with.
 void fit_anew(const SmoothInput& input, CloudSample sample, std::size_t most_fits,
@@ -82,7 +91,8 @@ void fit_anew(const SmoothInput& input, CloudSample sample, std::size_t most_fit
         out.stray = out.surface->n_strays();
         out.kept = radii.size() - out.refitted - out.stray;
     }
-    const std::vector<double> sq_noise = local_noise(model, noise, radii, points);
+    const std::vector<double> sq_noise =
+        local_noise(model, noise, radii, points, steps_of(sample.points));
     out.trust =
         leaf_trust(model, radii, sq_noise, out.surface ? out.surface->fits() : model, points);
     count_known(radii, sq_noise, input.diagonal, out);

@@ -191,6 +191,7 @@ RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWo
     if (is_rounding(out.fit.sq_error, work.ball.radius))
         out.fit.sq_missed = out.fit.sq_missed_error = out.fit.sq_missed_slope =
             out.fit.sq_slope_error = 0;
+    out.fit.sq_error = std::max(out.fit.sq_error, rules_.least_sq_error);
     return out;
 }
 

@@ -21,6 +21,9 @@ struct LadderRules {
                                           ///< times the least upper bound
     /// Of the cloud's normals that noise turns: as many off the sheet are tolerated.
     double contrary_share = 0;
+    /// eps^2 that every ball has, whether its points show it or not: those of one step of the
+    /// coordinates lie on a plane (notes/0023).
+    double least_sq_error = 0;
     /// Past another sheet, over rho: of the points' mean off the centre (parallel_sheet.h).
     double most_lean = kLeanOfBorder;
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned

@@ -2,7 +2,6 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
-#include "slim/smooth/coordinate_steps.h"
 #include "slim/smooth/disc_noise.h"
 #include "slim/smooth/leaf_lanes.h"
 #include "slim/smooth/point_projector.h"
@@ -36,12 +35,12 @@ Vec3d middle_of(const Surfel& s) {
 /// Squared noise about a leaf by itself, no less than that of rounded coordinates; infinite where
 /// no disc can be fitted.
 DiscNoise own_noise(const Surfel& s, const LeafNoise& leaf, const WideRadius& wide,
-                    const PointPyramid& points, const Vec3d& steps, WideWork& work) {
+                    const PointPyramid& points, const CoordinateSteps& steps, WideWork& work) {
     const double n = std::max(1.0, points.share(0) * leaf.n_points);
     DiscNoise out = disc_noise(points.all(), middle_of(s), s.frame, s.support_radius, n,
                                leaf.fit_error, n < kKnown, work)
                         .value_or(DiscNoise{INFINITY});
-    out.sq = std::max(out.sq, rounding_noise(steps, s.frame.normal));
+    out.sq = std::max(out.sq, steps.noise_variance(s.frame.normal));
     if (wide.radius > 0 && wide.sq_noise <= kAgrees * out.sq) out.sq = wide.sq_noise;
     return out;
 }
@@ -117,12 +116,12 @@ std::vector<double> quiet_noise(std::span<const double> sq_noise) {
 }  // namespace
 
 std::vector<double> local_noise(const BallIndex& model, std::span<const LeafNoise> noise,
-                                std::span<const WideRadius> radii, const PointPyramid& points) {
+                                std::span<const WideRadius> radii, const PointPyramid& points,
+                                const CoordinateSteps& steps) {
     const std::size_t n = model.n_leaves();
     SLIM_CHECK(radii.size(), ==, n);
     std::vector<double> own(n, INFINITY), out(n, INFINITY);
     std::vector<std::uint8_t> plain(n);
-    const Vec3d steps = coordinate_steps(points.all());
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
@@ -136,7 +135,7 @@ std::vector<double> local_noise(const BallIndex& model, std::span<const LeafNois
     for (std::size_t i = 0; i < n; ++i) {
         if (points.share(0) * noise[i].n_points < kKnown && !plain[i])
             own[i] = std::min(own[i], kMostOfQuiet * quiet[i]);
-        own[i] = std::max(own[i], rounding_noise(steps, model.leaf(i).frame.normal));
+        own[i] = std::max(own[i], steps.noise_variance(model.leaf(i).frame.normal));
     }
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         std::vector<const Surfel*> around;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/fit/coordinate_steps.h"
 #include "slim/neighbors/point_pyramid.h"
 #include "slim/smooth/wide_radius.h"
 #include "slim/tree/ball_index.h"
@@ -14,11 +15,12 @@ namespace slim {
 /// (disc_noise): the median of the leaves around. That of the fit where a leaf is fitted anew and
 /// its residual agrees. Leaves of fewer than 300 points may be all edge: no more than 4 times what
 /// the quietest fifth of the 2000 leaves about has (notes/0005), unless their normals agree that it
-/// is noise. No less than what rounding of the coordinates leaves (coordinate_steps; notes/0006).
+/// is noise. No less than what the steps of the coordinates make (notes/0006).
 /// Infinite: unknown, the cloud does not hold the leaf's points or too few for a disc. In parallel,
 /// the same for any thread count.
 std::vector<double> local_noise(const BallIndex& model, std::span<const LeafNoise> noise,
-                                std::span<const WideRadius> radii, const PointPyramid& points);
+                                std::span<const WideRadius> radii, const PointPyramid& points,
+                                const CoordinateSteps& steps);
 
 /// The share of the way to the surface that a point goes where it is off by noise and the surface
 /// by a bias: 1 as long as the bias is the smaller, sq_noise / sq_bias beyond, so that the point

@@ -108,7 +108,7 @@ TEST_F(Refit, ALeafWhosePointsTheCloudDoesNotHoldIsKeptAndNotJudged) {
     }
     const std::vector<WideRadius> found = radii();
     const RefittedSurface surface(*model_, noise_, found, *points_);
-    const auto noise = local_noise(*model_, noise_, found, *points_);
+    const auto noise = local_noise(*model_, noise_, found, *points_, {});
     for (const double sq : noise) EXPECT_TRUE(std::isinf(sq));
     for (const LeafTrust& t : leaf_trust(*model_, found, noise, surface.fits(), *points_))
         EXPECT_EQ(t.share, 1);
@@ -196,7 +196,7 @@ TEST_F(Refit, NoiseIsKnownInNarrowDiscsWhereverTheModelIsOff) {
     make(1e-4, 0.002);
     std::vector<WideRadius> kept(model_->n_leaves());
     for (WideRadius& r : kept) r.in_cloud = true;
-    const auto noise = local_noise(*model_, noise_, kept, *points_);
+    const auto noise = local_noise(*model_, noise_, kept, *points_, {});
     const RefittedSurface surface(*model_, noise_, kept, *points_);
     const auto trust = leaf_trust(*model_, kept, noise, surface.fits(), *points_);
     for (const std::size_t i : inner()) {

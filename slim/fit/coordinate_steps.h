@@ -1,0 +1,47 @@
+#pragma once
+
+#include "slim/base/vec.h"
+#include "slim/neighbors/nearest.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace slim {
+
+/// What tells whether coordinates come in steps that are noise (notes/0023): those of depth maps,
+/// of voxels, and of files with few decimals. Neighbours on one step lie on a plane exactly, so
+/// that a plane through ten of them, or their differences, show nothing of it. Points that were
+/// sampled on a grid have steps, too, but lie on their surface. Counts add up over slices.
+struct CoordinateSteps {
+    struct Axis {
+        std::size_t n = 0;   ///< of n_rounded: where its steps are along the normal
+        double sq_step = 0;  ///< mean over these, length^2
+    };
+    std::size_t n_sampled = 0;
+    std::size_t n_stepped = 0;  ///< of these: where coordinates along the normal take three steps
+                                ///< and more, each many times
+    std::size_t n_rounded = 0;  ///< of these: where points lie off a quadric by as much as the
+                                ///< steps make
+    double variance = 0;        ///< mean over these of step^2 / 12 along the normal, length^2
+    std::array<Axis, 3> axes;
+
+    CoordinateSteps& operator+=(const CoordinateSteps& other);
+
+    bool are_noise() const;
+    /// Variance of a point along its surface's normal, typically; 0 unless the steps are noise.
+    double noise_variance() const { return are_noise() ? variance : 0; }
+    /// Along a unit normal: step^2 / 12 along each axis.
+    double noise_variance(const Vec3d& normal) const;
+};
+
+inline constexpr std::size_t kStepSamples = 250;
+
+/// samples: points of the search all over the cloud, of which the first kStepSamples serve. Cost: a
+/// search for 16 neighbours of each, and where many of these have coordinates in common one for
+/// 640, and for as many of every fourth point, ..., as long as few steps are seen.
+CoordinateSteps coordinate_steps(const NearestSearch& search,
+                                 std::span<const std::uint32_t> samples);
+
+}  // namespace slim
