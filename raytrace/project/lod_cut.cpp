@@ -54,9 +54,9 @@ double ViewVolume::depth_within(const Vec3d& center) const {
 
 double projected_diameter(const PixelView& view, const Vec3d& center, double radius) {
     if (view.orthographic) return 2 * radius * view.px_per_unit;
-    const double distance = length(center);
-    if (distance <= radius) return std::numeric_limits<double>::infinity();
-    return 2 * radius * view.focal_px / distance;
+    if (center.z <= radius) return std::numeric_limits<double>::infinity();
+    // As it stands askew to the picture: 1 / cos^2 of the angle off the axis.
+    return 2 * radius * view.focal_px * length(center) / (center.z * center.z);
 }
 
 namespace {
@@ -76,11 +76,8 @@ bool is_enough(const PixelView& view, const TreeNode& node, const Vec3d& center,
     if (static_cast<double>(node.bound_radius) > kFarthestHeld * radius) return false;
     constexpr double kLevels = 4.236;  // the ratio of radii
     const double most = node.flags & kStandsIn ? kLevels * lod_px : lod_px;
-    // Most are far larger: no root and no division for them.
-    if (!view.orthographic && 2 * radius * view.focal_px >
-                                  most * (std::abs(center.x) + std::abs(center.y) +
-                                          std::abs(center.z)))
-        return false;
+    // Most are far larger: no root and no division for them, as on the axis.
+    if (!view.orthographic && 2 * radius * view.focal_px > most * std::abs(center.z)) return false;
     const double diameter = projected_diameter(view, center, radius);
     if (diameter <= lod_px) return true;
     if (diameter > most) return false;

@@ -29,7 +29,8 @@ private:
     Plane planes_[5];
 };
 
-/// Projected diameter of a ball, pixels; infinite if the eye is inside.
+/// Projected diameter of a small ball across its longer axis, which off the picture's middle points
+/// away from it, pixels; infinite if the ball reaches the eye's plane.
 double projected_diameter(const PixelView& view, const Vec3d& center_in_camera, double radius);
 
 /// Which of the tree's surfels a cut takes, and what it met.

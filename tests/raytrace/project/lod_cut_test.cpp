@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace slim {
 namespace {
@@ -50,6 +51,22 @@ TEST(LodCut, NoBallStandsInForLeavesFarFromIt) {
     std::sort(sorted.begin(), sorted.end());
     std::sort(expected.begin(), expected.end());
     EXPECT_EQ(sorted, expected);
+}
+
+TEST(LodCut, ABallOffTheMiddleIsAsLargeAsItsPicture) {
+    Camera camera;
+    camera.eye = {0, 0, 0}, camera.target = {0, 0, -1}, camera.fov_y_deg = 150;
+    const PixelView view = pixel_view(camera, 400, 400);
+    constexpr double kRadius = 0.01;
+    for (const double angle : {0.0, 0.5, 1.0, 1.3}) {
+        SCOPED_TRACE(angle);
+        // Where rays that touch the ball cut the picture, on the line from its middle.
+        const double distance = 3, half = std::asin(kRadius / distance);
+        const double reach = std::tan(angle + half) - std::tan(angle - half);
+        const Vec3d center{distance * std::sin(angle), 0, distance * std::cos(angle)};
+        EXPECT_NEAR(projected_diameter(view, center, kRadius) / (view.focal_px * reach), 1, 1e-3);
+    }
+    EXPECT_TRUE(std::isinf(projected_diameter(view, {3, 0, 0.005}, kRadius)));
 }
 
 }  // namespace
