@@ -127,7 +127,8 @@ std::optional<NamedText> ContourDrawing::finish(const PixelWindow& window, Repor
         return std::nullopt;
     }
     return NamedText{path, height_svg(*lines, job_.looks.at("hillshade").heights,
-                                      relief.index_every, contour_width(job_.size.height), window)};
+                                      relief.index_every, contour_width(job_.size.height), window,
+                                      svg_scale(job_.config, job_.camera, job_.size))};
 }
 
 }  // namespace slim

@@ -142,8 +142,8 @@ std::string source_date() {
 }
 
 /// Of the model; 0: the unit or the scale is not known, or it is no number of a print.
-std::uint32_t pixels_per_metre(const RenderConfig& config, const Camera& camera,
-                               const PictureSize& size) {
+double pixels_per_metre(const RenderConfig& config, const Camera& camera,
+                        const PictureSize& size) {
     static const std::map<std::string, double> kMetres = {
         {"mm", 1e-3}, {"cm", 1e-2}, {"dm", 0.1},    {"m", 1},
         {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}};
@@ -151,7 +151,7 @@ std::uint32_t pixels_per_metre(const RenderConfig& config, const Camera& camera,
     if (!camera.orthographic || unit == kMetres.end()) return 0;
     const double n = size.width / (camera.width * unit->second);
     constexpr double kLeast = 100, kMost = 1e6;
-    return n >= kLeast && n <= kMost ? static_cast<std::uint32_t>(std::lround(n)) : 0;
+    return n >= kLeast && n <= kMost ? n : 0;
 }
 
 std::array<float, 16> rows(const double (&m)[4][4]) {
@@ -267,12 +267,17 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
         {"slim:directions",
          "unit, sign arbitrary; t2 = N x t1; extremality goes with these signs, 1/length^2"},
     };
-    if (const std::uint32_t n = pixels_per_metre(config, camera, size); n > 0)
-        metadata[kPixelsPerMetre] = std::to_string(n);
+    if (const double n = pixels_per_metre(config, camera, size); n > 0)
+        metadata[kPixelsPerMetre] = std::to_string(std::lround(n));
     // No renderTimeSeconds (CONVENTIONS 1.2): a clock would make every run's bytes its own. The
     // time is in the manifest.
     if (const std::string date = source_date(); !date.empty()) metadata["DateTime"] = date;
     return metadata;
+}
+
+SvgScale svg_scale(const RenderConfig& config, const Camera& camera, const PictureSize& size) {
+    const double n = pixels_per_metre(config, camera, size);
+    return n > 0 ? SvgScale{1000 / n} : SvgScale{};
 }
 
 ImageMatrices make_matrices(const Camera& camera, const PictureSize& size) {

@@ -5,6 +5,7 @@
 #include "pipeline/render/render_config.h"
 #include "pipeline/render/render_lines.h"
 #include "raytrace/camera.h"
+#include "raytrace/svg_scale.h"
 #include "slim/model/surfel_tree.h"
 
 #include <filesystem>
@@ -79,6 +80,10 @@ std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
 ImageMetadata make_metadata(const RenderConfig& config, const std::string& canonical_config,
                             const std::string& model_hash, const ModelHeader& model,
                             const Camera& camera, const PictureSize& size);
+
+/// Of the drawings beside a picture: as large as the model where the picture says how it prints at
+/// 1 : 1, else as on a screen.
+SvgScale svg_scale(const RenderConfig& config, const Camera& camera, const PictureSize& size);
 
 /// worldToCamera (right-handed, looking along -Z), worldToNDC ([0, 1]^2, origin top left, depth
 /// unscaled) and worldToScreen (the same in [-1, 1]^2, y upwards) in row-vector form, for the local

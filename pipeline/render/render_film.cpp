@@ -126,7 +126,8 @@ void add_found_lines(const RenderJob& job, PictureFiles& files, RenderOutcome& o
     const auto shown = lines_within(*job.found_lines, job.size.width, job.size.height, window);
     const DrawnLines drawn{shown, job.lines, job.size, window};
     for (const NamedText& file :
-         line_files(job.config, job.plan.lines_svg(), job.tree.header().origin, drawn))
+         line_files(job.config, job.plan.lines_svg(), svg_scale(job.config, job.camera, job.size),
+                    job.tree.header().origin, drawn))
         files.add_text(file);
     outcome.lines = lines_json(shown, job.lines);
 }

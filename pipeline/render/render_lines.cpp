@@ -153,10 +153,11 @@ std::vector<FeatureLine> PictureLines::finish() {
 }
 
 std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg,
-                                  const Vec3d& origin, const DrawnLines& drawn) {
+                                  const SvgScale& scale, const Vec3d& origin,
+                                  const DrawnLines& drawn) {
     std::vector<NamedText> files{
         {svg, lines_svg(drawn.lines, drawn.kinds, drawn.size.width, drawn.size.height, drawn.window,
-                        parse_background(config.background, true))}};
+                        parse_background(config.background, true), scale)}};
     if (!config.lines_ply.empty())
         files.push_back({config.lines_ply, lines_ply(drawn.lines, origin)});
     if (!config.lines_obj.empty())

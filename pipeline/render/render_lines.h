@@ -4,6 +4,7 @@
 #include "pipeline/render/render_config.h"
 #include "raytrace/lines/feature_line.h"
 #include "raytrace/lines/line_search.h"
+#include "raytrace/svg_scale.h"
 #include "slim/base/reporter.h"
 #include "slim/model/sharp_edge.h"
 #include "slim/model/surfel_tree.h"
@@ -78,7 +79,8 @@ struct NamedText {
 
 /// The lines as SVG, and as PLY and OBJ if the configuration names such files.
 std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg,
-                                  const Vec3d& origin, const DrawnLines& drawn);
+                                  const SvgScale& scale, const Vec3d& origin,
+                                  const DrawnLines& drawn);
 
 /// {kind: {polylines, length (model units), length_px, strength}}, kinds by line_name. Strength is
 /// the sum of the lines', of creases the mean over their length.

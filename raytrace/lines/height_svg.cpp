@@ -2,7 +2,6 @@
 
 #include "raytrace/picture.h"
 #include "raytrace/svg_color.h"
-#include "raytrace/svg_mm.h"
 #include "slim/base/markup.h"
 
 #include <algorithm>
@@ -85,57 +84,59 @@ float length_of(const Points& points) {
     return length;
 }
 
-std::string place(const PicturePoint& p) {
-    return svg_mm(static_cast<double>(p.x)) + "," + svg_mm(static_cast<double>(p.y));
+std::string place(const PicturePoint& p, const SvgScale& scale) {
+    return scale.mm(p.x) + "," + scale.mm(p.y);
 }
 
 void write_line(const HeightLine& line, std::span<const HeightLabel> labels, float shortest,
-                std::string& out) {
+                const SvgScale& scale, std::string& out) {
     for (const Points& piece : pieces_of(line, labels)) {
         if (piece.size() < 2 || length_of(piece) < shortest) continue;
         const char* before = "    <path d=\"M";
-        for (const PicturePoint& p : thinned(piece)) out += before + place(p), before = " ";
+        for (const PicturePoint& p : thinned(piece)) out += before + place(p, scale), before = " ";
         out += "\"/>\n";
     }
 }
 
 void write_lines(std::span<const HeightLine> lines, std::span<const HeightLabel> labels,
                  const std::string& group, int index_every, bool index, float width,
-                 float shortest, std::string& out) {
+                 float shortest, const SvgScale& scale, std::string& out) {
     const Vec3f ink{srgb_from_linear(kContourInk.x), srgb_from_linear(kContourInk.y),
                     srgb_from_linear(kContourInk.z)};
     out += "  <g id=\"" + group + "\" stroke=\"" + hex_color(ink) + "\" stroke-width=\"" +
-           svg_mm(static_cast<double>(width)) + "\">\n";
+           scale.mm(width) + "\">\n";
     for (const HeightLine& line : lines)
-        if ((line.level % index_every == 0) == index) write_line(line, labels, shortest, out);
+        if ((line.level % index_every == 0) == index)
+            write_line(line, labels, shortest, scale, out);
     out += "  </g>\n";
 }
 
-void write_label(const HeightLabel& label, std::string& out) {
+void write_label(const HeightLabel& label, const SvgScale& scale, std::string& out) {
     const double cap = static_cast<double>(label.cap_height);
-    out += "    <text transform=\"translate(" + place({label.x, label.y}) + ") rotate(" +
+    out += "    <text transform=\"translate(" + place({label.x, label.y}, scale) + ") rotate(" +
            svg_number(static_cast<double>(label.angle_rad) * 180 / std::numbers::pi, 2) +
            ")\" y=\"" +
-           svg_mm(cap / 2) + "\" font-size=\"" + svg_mm(cap / kCapHeight) + "\">" +
+           scale.mm(cap / 2) + "\" font-size=\"" + scale.mm(cap / kCapHeight) + "\">" +
            escaped_markup(label.text) + "</text>\n";
 }
 
 }  // namespace
 
 std::string height_svg(std::span<const HeightLine> lines, std::span<const HeightLabel> labels,
-                       int index_every, float line_width, const PixelWindow& window) {
+                       int index_every, float line_width, const PixelWindow& window,
+                       const SvgScale& scale) {
     constexpr float kThin = 0.7f;  // as pale as paint_relief's
-    std::string out = svg_opening(window);
+    std::string out = scale.opening(window);
     write_lines(lines, labels, "contour-lines", index_every, false, kThin * line_width,
-                kShortest * line_width, out);
+                kShortest * line_width, scale, out);
     write_lines(lines, labels, "index-contours", index_every, true, 2 * line_width,
-                kShortest * line_width, out);
+                kShortest * line_width, scale, out);
     const Vec3f ink{srgb_from_linear(kContourInk.x), srgb_from_linear(kContourInk.y),
                     srgb_from_linear(kContourInk.z)};
     out += "  <g id=\"contour-heights\" fill=\"" + hex_color(ink) +
            "\" stroke=\"none\" text-anchor=\"middle\" "
            "font-family=\"Helvetica, Arial, sans-serif\">\n";
-    for (const HeightLabel& label : labels) write_label(label, out);
+    for (const HeightLabel& label : labels) write_label(label, scale, out);
     return out + "  </g>\n</svg>\n";
 }
 

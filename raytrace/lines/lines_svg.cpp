@@ -3,22 +3,19 @@
 #include "raytrace/lines/stroke.h"
 #include "raytrace/picture.h"
 #include "raytrace/svg_color.h"
-#include "raytrace/svg_mm.h"
 
 namespace slim {
 namespace {
 
-std::string mm(float px) { return svg_mm(static_cast<double>(px)); }
-
-std::string path_of(const FeatureLine& line, int width, int height) {
+std::string path_of(const FeatureLine& line, int width, int height, const SvgScale& scale) {
     std::string d;
     for (const LinePoint& p : line.points) {
         d += d.empty() ? "M" : " ";
-        d += mm(p.x) + "," + mm(p.y);
+        d += scale.mm(p.x) + "," + scale.mm(p.y);
     }
     if (line.closed) d += " Z";
-    return "    <path d=\"" + d + "\" stroke-width=\"" + mm(stroke_width(line, width, height)) +
-           "\"/>\n";
+    return "    <path d=\"" + d + "\" stroke-width=\"" +
+           scale.mm(stroke_width(line, width, height)) + "\"/>\n";
 }
 
 Vec3f srgb_of(const Vec3f& linear) {
@@ -26,11 +23,12 @@ Vec3f srgb_of(const Vec3f& linear) {
 }
 
 /// What light lines are seen on, behind the whole picture.
-std::string background_of(const Background& background, int width, int height) {
+std::string background_of(const Background& background, int width, int height,
+                          const SvgScale& scale) {
     const std::string top = hex_color(srgb_of(background.top)),
                       bottom = hex_color(srgb_of(background.bottom));
-    const std::string size = " width=\"" + mm(static_cast<float>(width)) + "\" height=\"" +
-                             mm(static_cast<float>(height)) + "\" stroke=\"none\"";
+    const std::string size = " width=\"" + scale.mm(static_cast<float>(width)) + "\" height=\"" +
+                             scale.mm(static_cast<float>(height)) + "\" stroke=\"none\"";
     if (top == bottom) return "  <rect id=\"background\"" + size + " fill=\"" + top + "\"/>\n";
     return "  <linearGradient id=\"shade\" x1=\"0\" y1=\"0\" x2=\"0\" y2=\"1\"><stop offset=\"0\" "
            "stop-color=\"" +
@@ -42,16 +40,16 @@ std::string background_of(const Background& background, int width, int height) {
 
 std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds,
                       int width, int height, const PixelWindow& window,
-                      const Background& background) {
-    std::string out = svg_opening(window);
+                      const Background& background, const SvgScale& scale) {
+    std::string out = scale.opening(window);
     const Ink ink = ink_on(background);
-    if (ink == Ink::light) out += background_of(background, width, height);
+    if (ink == Ink::light) out += background_of(background, width, height, scale);
     for (const LineKind kind : kinds) {
         const LineStyle style = line_style(kind, ink);
         out += std::string("  <g id=\"") + style.group + "\" stroke=\"" + hex_color(style.srgb) +
                "\">\n";
         for (const FeatureLine& line : lines)
-            if (line.kind == kind) out += path_of(line, width, height);
+            if (line.kind == kind) out += path_of(line, width, height, scale);
         out += "  </g>\n";
     }
     return out + "</svg>\n";

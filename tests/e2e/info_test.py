@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """slim info knows our files by kind; pictures say how large they print; a truth that is none is refused."""
 import random
+import re
 import struct
 
 from harness import Harness
@@ -137,6 +138,19 @@ def printed_size():
     check((folder / "s.png").read_bytes() == (folder / "t.png").read_bytes(), "shares do not join to the picture")
 
 
+def drawn_size():
+    """Drawings are as large as the model where the picture says how it prints at 1 : 1."""
+    def width(*options):
+        result = run("slim", "render", "m.slim", "--size", "640x480", "--lines", "contour", "-o", "d.png", "--json", *options)
+        svg = (folder / "d.lines.svg").read_text()
+        return float(re.search(r'width="([0-9.]+)mm"', svg).group(1)), result.json().get("pixel_size")
+
+    drawn, pixel = width("--ortho", "--unit", "cm")
+    check(abs(drawn - 640 * pixel * 10) < 0.01, f"{drawn} mm of 640 pixels of {pixel} cm")
+    drawn, pixel = width("--ortho", "--unit", "ell")
+    check(abs(drawn - 640 * 25.4 / 96) < 0.01, f"{drawn} mm of an unknown scale")
+
+
 def false_truths():
     """What is no truth is refused by its row; the cloud's own stays."""
     truth = folder / "c.truth"
@@ -191,6 +205,7 @@ records()
 short_for_people()
 unknown()
 printed_size()
+drawn_size()
 false_truths()
 not_a_pipe()
 harness.end()
