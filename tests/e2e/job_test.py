@@ -146,7 +146,7 @@ def explained():
     """A job that run refuses is explained, with the fault; no plan is made of it."""
     (harness.folder / "crest.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[fit]\ndegree = 2\n[[view]]\nlines = ["crest"]\n')
     told = run("slim", "plan", "crest.toml", "--explain")
-    fault = "crest.toml:5: lines crest need third derivatives"
+    fault = "crest.toml:6: lines crest need third derivatives"
     check(told.code == 0 and fault in told.out and "build: slim build" in told.out, f"{told.code} {told.out} {told.err}")
     check(fault in run("slim", "plan", "crest.toml", "--explain", "--json").json()["refused"][0], "refused in --json")
     for words in (("plan", "crest.toml"), ("run", "crest.toml")):

@@ -148,13 +148,13 @@ TEST(Job, ExplainsWhatARunRefuses) {
     const Job job = read_job_to_explain(file);
     ASSERT_EQ(job.refused.size(), 2u);
     EXPECT_EQ(job.refused[0].what(),
-              file.string() + ":5: lines crest need third derivatives, which a model of degree 2 "
+              file.string() + ":7: lines crest need third derivatives, which a model of degree 2 "
                               "does not have: expected degree = 3 in [fit]");
     const std::string text = explanation_of(job);
     EXPECT_TRUE(text.starts_with("`slim run` refuses this job:\n  " +
                                  std::string(job.refused[0].what()) + "\n"))
         << text;
-    EXPECT_NE(text.find(":8: aov e1 needs"), std::string::npos) << text;
+    EXPECT_NE(text.find(":10: aov e1 needs"), std::string::npos) << text;
     EXPECT_NE(text.find("view x: slim render"), std::string::npos) << text;
     EXPECT_TRUE(job.missing.empty()) << job.missing[0];  // said once
     try {
