@@ -142,6 +142,15 @@ def same_pictures_of_a_model():
           f"a file that an option named is the option's, not the job's: {added.out}")
 
 
+def left_out_in_a_line():
+    """A run names what nothing asks for in one line, a program is told why."""
+    (harness.folder / "two.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[render]\nsize = "64x48"\n[output]\n'
+                                             'dir = "two"\n[[view]]\ncamera = "top"\n[[view]]\ncamera = "iso"\n')
+    result = run("slim", "run", "two.toml", "--json")
+    check(result.code == 0 and result.err.count("left out: ") == 1 and "rays" in result.err, f"two views: {result.err}")
+    check(any(line.startswith("rays: no view") for line in result.json()["left_out"]), f"reasons: {result.out}")
+
+
 def explained():
     """A job that run refuses is explained, with the fault; no plan is made of it."""
     (harness.folder / "crest.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[fit]\ndegree = 2\n[[view]]\nlines = ["crest"]\n')
@@ -301,6 +310,7 @@ def wrong_jobs():
 
 whole_job()
 same_pictures_of_a_model()
+left_out_in_a_line()
 explained()
 parts_of_a_step()
 only_what_changed()

@@ -1,5 +1,6 @@
-#include "pipeline/job/job.h"
+#include "pipeline/job/job_left_out.h"
 
+#include "pipeline/job/job.h"
 #include "pipeline/job/job_source.h"
 #include "tests/pipeline/job/job_support.h"
 
@@ -7,6 +8,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 namespace slim::test {
 namespace {
@@ -139,6 +142,25 @@ TEST(Job, SaysWhatWillBeMissing) {
     for (const char* aov :
          {"e1, e2, dk1_dt2, dk2_dt1 of aov all", "color of", "ao of", "truth_distance of"})
         EXPECT_NE(all.find(aov), std::string::npos) << aov << all;
+}
+
+TEST(Job, SaysWhatSeveralViewsLackOnceWithTheirNames) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[fit]\ndegree = 2\n[render]\nlines = 'contour,crest,crease'\n"
+        "[[view]]\nname = 'a'\n[[view]]\nname = 'b'\nlines = 'contour'\n[[view]]\nname = 'c'\n"));
+    const std::vector<std::string> crest{"views a, c: crest lines: they need degree = 3 in [fit]"};
+    EXPECT_EQ(job.missing, crest);
+    ASSERT_EQ(job.uncertain.size(), 1u);
+    EXPECT_TRUE(job.uncertain[0].starts_with("views a, c: crease lines: "));
+}
+
+TEST(Job, NamesWhatIsLeftOutInALine) {
+    const Job job = read_job(write_job("[input]\nfiles = ['a.ply']\n[[view]]\n"));
+    EXPECT_GT(job.left_out.size(), 7u);
+    EXPECT_EQ(left_out_in_a_line(job.left_out, "HOW"),
+              "left out: measure, curvature, third derivatives, feature lines, colours, rays, scan "
+              "(why: HOW)");
+    EXPECT_EQ(left_out_in_a_line({}, "HOW"), "");
 }
 
 TEST(Job, ExplainsWhatARunRefuses) {
