@@ -112,13 +112,12 @@ std::string build_summary(const std::string& model, const std::vector<std::strin
     const double diagonal = result.at("stages").at("slice").at("diagonal").get<double>();
     const double lambda = result.value("noise_variance", 0.0),
                  typical = result.value("typical_variance", lambda);
-    std::string noise = fmt::format("noise {:.2g}", noise_over_diagonal(lambda, diagonal));
+    std::string noise = fmt::format("noise {:.2g} of L", noise_over_diagonal(lambda, diagonal));
     if (is_mostly_edges(lambda, typical))
         noise += fmt::format(" (of edges and bends; {:.2g} at a typical place)",
                              noise_over_diagonal(typical, diagonal));
     std::string text = fmt::format(
-        "{}: {}, {}, {}; of the diagonal: fit error {:.2g} (RMS of each leaf alone), "
-        "{}\n",
+        "{}: {}, {}, {}; fit error {:.2g} of L, the diagonal (RMS of each leaf alone), {}\n",
         model, counted(count(result, "points"), "point"),
         counted(count(result, "leaves"), "leaf", "leaves"),
         memory_size_text(count(result, "bytes")), result.value("leaf_error_rms", 0.0), noise);

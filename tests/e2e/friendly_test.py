@@ -30,7 +30,8 @@ def build_says_little():
     check(built.code == 0, built.err)
     lines = built.out.splitlines()
     check(len(lines) <= 8, f"build prints {len(lines)} lines: {built.out}")
-    for part in ("t.slim: 5000 points", " leaves", "fit error", "of each leaf alone", "fit ",
+    noise = run("slim", "build", "t.ply", "-o", "t.slim", "--json", "-q").json()["noise"]
+    for part in ("t.slim: 5000 points", " leaves", "fit error", "of each leaf alone", "fit ", f"noise {noise:.2g} of L",
                  "next: slim render t.slim -o t.png", "(l2: RMS distance"):
         check(part in built.out, f"build does not say '{part}': {built.out}")
     again = run("slim", "build", "t.ply", "-o", "t.slim")
