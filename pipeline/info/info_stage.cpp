@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -92,6 +93,7 @@ void shorten_manifest(json& info) {
 json shortened(json info) {
     const std::string kind = info.value("kind", "");
     if (kind == "manifest") shorten_manifest(info);
+    if (kind == "model") info = model_in_short(std::move(info));
     if (info.contains("metadata") && info.at("metadata").contains("slim:config"))
         info["metadata"]["slim:config"] = "all options of the picture: --json";
     return info;
