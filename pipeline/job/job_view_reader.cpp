@@ -6,7 +6,7 @@
 #include "pipeline/job/job_views.h"
 #include "pipeline/job/view_shares.h"
 #include "pipeline/manifest.h"
-#include "pipeline/render/ray_options.h"
+#include "pipeline/render/render_checks.h"
 #include "pipeline/render/render_config.h"
 #include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_uses.h"
@@ -119,7 +119,7 @@ private:
         at_their_keys(table, [&] { check_view_name(view.name); });
         const bool is_refused = is_beyond_fit(view.aovs, render, table);
         if (!names_.insert(view.name).second) refuse_second(view.name, table);
-        at_their_keys(table, [&] { check_tracing(render, view.aovs); });
+        at_their_keys(table, [&] { check_options(render, view.aovs); });
         asked_.push_back({view.name, view.aovs, render, is_refused});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
         step.line = table.line;
@@ -233,7 +233,10 @@ private:
         try {
             check();
         } catch (const ConfigError& error) {
-            throw error.at(place_in_view(view, error.fault().key));
+            const bool is_shares = error.fault().key == "share";
+            Fault said = error.fault();
+            if (is_shares) said.key = "shares";
+            throw ConfigError(said).at(place_in_view(view, said.key));
         }
     }
 

@@ -262,7 +262,7 @@ def options_by_their_names():
                           (["--path", "front;back"], "--path: say how many pictures with --frames"),
                           (["--frames", "3"], "--frames is for a --path, which"),
                           (["--frame", "3"], "--frame is for a --turntable or a --path, which"),
-                          (["--lines", "contour", "--turntable", "3", "--lines-obj", "x.obj"], "--lines-obj are for one"),
+                          (["--lines", "contour", "--turntable", "3", "--lines-obj", "x.obj"], "--lines-obj is for one"),
                           (["--aov", "truth_distance"], "--truth-shape")):
         refused(2, [told], "slim", "render", "t.slim", "-o", "x.png", "--size", "60x50", *options)
     check("--add a.slim,b.slim" in run("slim", "render", "--help").out, "--help does not tell how to add several models")
