@@ -16,6 +16,6 @@ int main(int argc, char** argv) {
           {"moved", "points"},
           {"unsupported", "points, which stay"},
           {"points", ""},
-          {"noise", "of L"}}},
+          {"noise", "of L, in the median leaf"}}},
         argc, argv, slim::run_smooth);
 }

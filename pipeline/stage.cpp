@@ -84,16 +84,24 @@ std::vector<std::string> keys_in_order(const json& object) {
     return keys;
 }
 
+/// A headline's value. Noise is known to two digits.
+std::string headline_text(const Headline& headline, const json& value) {
+    if (headline.key.starts_with("noise") && value.is_number_float())
+        return fmt::format("{:.2g}", value.get<double>());
+    return value_text(headline.key, value);
+}
+
 /// The result as "key  value" lines; an object's members are indented below its key, those of
 /// several objects below "key 1 of 3".
 void append_summary(const json& result, const std::string& indent,
                     const std::vector<Headline>& headlines, std::string& out) {
     std::size_t width = 0;
     for (const auto& [key, value] : result.items()) width = std::max(width, key.size());
-    for (const auto& [key, unit] : headlines)
-        if (const auto at = result.find(key); at != result.end() && !at->is_structured())
-            out += fmt::format("{}{:<{}}  {}{}{}\n", indent, key, width, value_text(key, *at),
-                               unit.empty() || at->is_null() ? "" : " ", at->is_null() ? "" : unit);
+    for (const Headline& h : headlines)
+        if (const auto at = result.find(h.key); at != result.end() && !at->is_structured())
+            out += fmt::format("{}{:<{}}  {}{}{}\n", indent, h.key, width, headline_text(h, *at),
+                               h.unit.empty() || at->is_null() ? "" : " ",
+                               at->is_null() ? "" : h.unit);
     for (const std::string& key : keys_in_order(result)) {
         const std::string& name = key;
         const json& value = result.at(key);

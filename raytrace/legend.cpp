@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace slim {
 namespace {
@@ -172,16 +173,19 @@ PixelBox legend_box(const Legend& legend, LegendPlace place, int width, int heig
 
 LegendPlace best_legend_place(const Legend& legend, const Picture& object,
                               const PixelBox& taken) {
-    constexpr std::array kPlaces{LegendPlace::right,        LegendPlace::right_top,
-                                 LegendPlace::right_bottom, LegendPlace::left,
-                                 LegendPlace::left_top,     LegendPlace::left_bottom};
-    const auto box_at = [&](LegendPlace place) {
+    using P = LegendPlace;
+    constexpr std::array kUpright{P::right, P::right_top, P::right_bottom,
+                                  P::left,  P::left_top,  P::left_bottom};
+    // Of a picture that is full, the middle of a side shows more of what matters than a corner.
+    constexpr std::array kOver{P::below,    P::right_bottom, P::right_top, P::left_bottom,
+                               P::left_top, P::right,        P::left};
+    const auto box_at = [&](P place) {
         return legend_box(legend, place, object.width, object.height);
     };
-    const LegendPlace best = least_covering(kPlaces, object, taken, box_at);
-    const PixelBox below = box_at(LegendPlace::below);
-    const auto covers = [&](const PixelBox& box) { return hidden_by(box, object, taken) > 0; };
-    return covers(box_at(best)) && below.x0 >= 0 && !covers(below) ? LegendPlace::below : best;
+    const P best = least_covering(kUpright, object, taken, box_at);
+    if (hidden_by(box_at(best), object, taken) <= 0) return best;
+    const bool fits_below = box_at(P::below).x0 >= 0 && box_at(P::below).y0 >= 0;
+    return least_covering(std::span(kOver).subspan(fits_below ? 0 : 1), object, taken, box_at);
 }
 
 double legend_share(const Legend& legend, int width, int height) {

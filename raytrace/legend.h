@@ -30,8 +30,9 @@ std::vector<double> legend_ticks(const ValueRange& range);
 std::string tick_label(double value, const std::vector<double>& ticks);
 
 /// The place where the panel covers the least of an object that stands over transparent (sum of
-/// alpha) and of what else is taken; the first of those that are equal. Below, if only there it
-/// covers nothing.
+/// alpha) and of what else is taken. Where an upright one covers nothing: at the right, a corner
+/// there, or the same at the left. Else below, which hides less, and a corner, are among the
+/// places, the middle of a side last of those that are equal.
 LegendPlace best_legend_place(const Legend& legend, const Picture& object,
                               const PixelBox& taken = {});
 

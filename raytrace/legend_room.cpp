@@ -84,12 +84,6 @@ bool has_free_corner(const Camera& camera, const Framed& framed, double aspect,
            apart(hull, {0, 0}, {w, h}) || (lower_left && apart(hull, {0, 1 - h}, {w, 1}));
 }
 
-bool is_clear_of_bar(const Camera& camera, const Framed& framed, double aspect,
-                     const LegendRoom& room) {
-    return apart(hull_of(seen(camera, framed, aspect)), {0, 1 - room.bar_height},
-                 {room.bar_width, 1});
-}
-
 /// What is larger is nearer to the camera, or seen by a narrower one.
 double smallness(const Camera& camera) {
     return camera.orthographic ? camera.width : length(camera.eye - camera.target);
@@ -112,6 +106,12 @@ bool leaves_room(const Camera& camera, const Framed& framed, double aspect,
            (usual.corner_width > 0 && has_free_corner(camera, framed, aspect, usual, true));
 }
 
+bool leaves_bar_room(const Camera& camera, const Framed& framed, double aspect,
+                     const LegendRoom& room) {
+    return apart(hull_of(seen(camera, framed, aspect)), {0, 1 - room.bar_height},
+                 {room.bar_width, 1});
+}
+
 FramedCamera framed_beside(std::string_view name, const Framed& framed, double aspect,
                            const Framing& framing, const LegendRoom& room) {
     const auto with = [&](double free_right, double free_bottom) {
@@ -123,7 +123,7 @@ FramedCamera framed_beside(std::string_view name, const Framed& framed, double a
         if (framing.free_bottom > 0 && framing.turns <= 1 && room.bar_width > 0 &&
             !framed.box.empty()) {
             const FramedCamera bare = with(free_right, 0);
-            if (is_clear_of_bar(bare.camera, framed, aspect, room)) return bare;
+            if (leaves_bar_room(bare.camera, framed, aspect, room)) return bare;
         }
         return with(free_right, framing.free_bottom);
     };

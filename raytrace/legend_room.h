@@ -32,4 +32,8 @@ FramedCamera framed_beside(std::string_view name, const Framed& framed, double a
 /// that room at the right or below, or of a corner.
 bool leaves_room(const Camera& camera, const Framed& framed, double aspect, const LegendRoom& room);
 
+/// Whether a scale bar of that room stands beside what a camera shows of the points.
+bool leaves_bar_room(const Camera& camera, const Framed& framed, double aspect,
+                     const LegendRoom& room);
+
 }  // namespace slim

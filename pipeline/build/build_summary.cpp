@@ -113,14 +113,14 @@ std::string build_summary(const std::string& model, const std::vector<std::strin
     const double lambda = result.value("noise_variance", 0.0),
                  typical = result.value("typical_variance", lambda);
     const nlohmann::json& fit = result.at("stages").at("fit");
-    std::string noise = fmt::format("noise {:.2g}", noise_over_diagonal(lambda, diagonal));
-    if (fit.value("step_variance", 0.0) > 0) noise += " (of coordinates in steps)";
+    std::string noise = fmt::format("noise {:.2g} of L", noise_over_diagonal(lambda, diagonal));
+    if (fit.value("step_variance", 0.0) > 0)
+        noise += " (of coordinates in steps)";
     else if (is_mostly_edges(lambda, typical))
         noise += fmt::format(" (of edges and bends; {:.2g} at a typical place)",
                              noise_over_diagonal(typical, diagonal));
     std::string text = fmt::format(
-        "{}: {}, {}, {}; of the diagonal: fit error {:.2g} (RMS of each leaf alone), "
-        "{}\n",
+        "{}: {}, {}, {}; fit error {:.2g} of L, the diagonal (RMS of each leaf alone), {}\n",
         model, counted(count(result, "points"), "point"),
         counted(count(result, "leaves"), "leaf", "leaves"),
         memory_size_text(count(result, "bytes")), result.value("leaf_error_rms", 0.0), noise);

@@ -7,6 +7,7 @@
 #include "pipeline/build/sensors.h"
 #include "pipeline/build/slice_normals.h"
 #include "pipeline/folder_lock.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/peak_memory.h"
 #include "slim/base/error.h"
@@ -253,6 +254,7 @@ void check_normals_config(const NormalsConfig& config) {
         throw ConfigError({.key = "neighbors",
                            .expected = "0, or 4 to 200",
                            .found = std::to_string(config.neighbors)});
+    if (!config.sensors.empty() && config.normals != "keep") read_json(config.sensors);
     if (config.normals != "keep") return;
     if (!config.sensors.empty())
         throw ConfigError({.key = "sensors",

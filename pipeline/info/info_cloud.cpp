@@ -4,6 +4,7 @@
 #include "formats/truth_file.h"
 #include "pipeline/contains.h"
 #include "pipeline/info/info_json.h"
+#include "pipeline/noise_over_diagonal.h"
 
 #include <charconv>
 #include <cmath>
@@ -68,6 +69,12 @@ json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
     if (info.has_normals) out["health"]["points_without_normal"] = totals.without_normal;
     if (info.has_scan) out["scans"] = totals.scans.size();
     if (info.origin) out["origin"] = vector_json(*info.origin);
+    if (info.noise_variance > 0) {
+        out["noise_variance"] = info.noise_variance;
+        out["noise"] = noise_over_diagonal(info.noise_variance, totals.box.diagonal());
+        out["about"] = "what 'slim smooth' wrote; 'slim build' makes leaves as for the noise that "
+                       "it had before";
+    }
     return out;
 }
 

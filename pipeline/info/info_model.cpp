@@ -13,6 +13,8 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace slim {
@@ -164,6 +166,41 @@ json model_info(const std::string& path) {
         info["noise_typical"] = noise_over_diagonal(
             std::min(rules.at("typical_variance").get<double>(), header.noise_variance),
             header.diagonal);
+    return info;
+}
+
+namespace {
+
+using Words = std::pair<const char*, const char*>;
+
+constexpr Words kOfLeaves[] = {
+    {"few_points", "of a lower degree: too few points"},
+    {"rank", "of a lower degree: the points do not span more"},
+    {"steep", "of a lower degree: a fit that is too steep"},
+    {"plane", "planes: nothing else fits"},
+    {"lower_explains", "of a lower degree, which explains the points"},
+    {"forced", "of the smallest radius, with more error than asked"},
+    {"contrary", "cut short at a fold or another sheet"},
+    {"normals_disagree", "over points whose normals disagree"},
+    {"recentred", "moved inwards from a border"}};
+constexpr Words kOfPoints[] = {{"isolated", "strays: too few neighbours"},
+                               {"beside", "of rims, left to the surface beside them"},
+                               {"unexplained", "that no surfel explains"}};
+
+/// Counts by what they are of; those of 0 are left out, and "none" is left if all are.
+json in_words(const json& counts, std::span<const Words> words) {
+    json out = json::object();
+    for (const auto& [key, text] : words)
+        if (const auto n = counts.value(key, std::uint64_t{0})) out[text] = n;
+    return out;
+}
+
+}  // namespace
+
+json model_in_short(json info) {
+    info["leaves not as asked"] = in_words(info.at("fallbacks"), kOfLeaves);
+    info["points left out"] = in_words(info.at("dropped"), kOfPoints);
+    info.erase("fallbacks"), info.erase("dropped");
     return info;
 }
 

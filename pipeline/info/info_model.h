@@ -11,4 +11,8 @@ namespace slim {
 /// throws as ModelFile::open; FormatError for a provenance that no model of this program has
 nlohmann::json model_info(const std::string& path);
 
+/// The same for a person: leaves that are not as asked and points left out by what that means, in
+/// place of the names of their counts, those that there are.
+nlohmann::json model_in_short(nlohmann::json info);
+
 }  // namespace slim

@@ -4,7 +4,7 @@
 #include "formats/image_io.h"
 #include "formats/truth_file.h"
 #include "pipeline/info/info_table.h"
-#include "pipeline/toml_file.h"
+#include "pipeline/info/info_toml.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -119,31 +119,6 @@ json svg_info(const std::string& path) {
     for (const auto& [ending, about] : kDrawings)
         if (path.ends_with(ending)) return counted(kind_info(path, "svg", about));
     return counted(kind_info(path, "svg", "a drawing (SVG)"));
-}
-
-json toml_info(const std::string& path) {
-    const TomlTable root = read_toml(path);
-    json tables = json::array();
-    for (const TomlTable& table : root.tables)
-        if (std::find(tables.begin(), tables.end(), table.name) == tables.end())
-            tables.push_back(table.name);
-    const auto has = [&](const char* name) {
-        return std::find(tables.begin(), tables.end(), name) != tables.end();
-    };
-    const bool is_report = has("experiment");
-    const bool is_job = has("input") || has("view") || has("fit");
-    json out = kind_info(path, is_report ? "report" : is_job ? "job" : "toml",
-                         is_report ? "a report file: 'slim report' runs its experiments"
-                         : is_job ? "a job file: 'slim run' does it, 'slim plan --explain' says it"
-                                  : "a TOML file: options of a verb, for its --config");
-    out["tables"] = tables;
-    out["keys"] = root.values.size();
-    for (const auto& [table, counted] : {std::pair{"view", "views"}, {"experiment", "experiments"}})
-        if (has(table))
-            out[counted] =
-                std::count_if(root.tables.begin(), root.tables.end(),
-                              [table = table](const TomlTable& t) { return t.name == table; });
-    return out;
 }
 
 json html_info(const std::string& path) {

@@ -9,6 +9,7 @@
 #include "pipeline/info/info_model.h"
 #include "pipeline/info/info_other.h"
 #include "pipeline/info/info_record.h"
+#include "pipeline/info/info_toml.h"
 #include "slim/base/error.h"
 #include "slim/model/surfel_tree.h"
 
@@ -17,6 +18,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -92,6 +94,8 @@ void shorten_manifest(json& info) {
 json shortened(json info) {
     const std::string kind = info.value("kind", "");
     if (kind == "manifest") shorten_manifest(info);
+    if (kind == "model") info = model_in_short(std::move(info));
+    if (info.contains("tables")) info = toml_in_short(std::move(info));
     if (info.contains("metadata") && info.at("metadata").contains("slim:config"))
         info["metadata"]["slim:config"] = "all options of the picture: --json";
     return info;
@@ -107,11 +111,19 @@ std::string summary_of(json info) {
         info["degree"] =
             fmt::format("auto: of each leaf its own, up to {}", info.at("degree").get<int>());
     drop_repeated(info);
+    const char* const noise =
+        info.value("kind", "") == "cloud" ? "of L, the diagonal, before it was smoothed" : "of L";
     return summary_text(info, {{"file", ""},
                                {"kind", ""},
                                {"about", ""},
                                {"format", ""},
                                {"points", ""},
+                               {"input", ""},
+                               {"scan", ""},
+                               {"fit", ""},
+                               {"render", ""},
+                               {"views", ""},
+                               {"experiments", ""},
                                {"rows", ""},
                                {"columns", ""},
                                {"faces", ""},
@@ -120,7 +132,7 @@ std::string summary_of(json info) {
                                {"degree", ""},
                                {"colors", ""},
                                {"diagonal", "(L)"},
-                               {"noise", "of L"},
+                               {"noise", noise},
                                {"noise_typical", "of L, at a typical place"},
                                {"bytes", ""}});
 }

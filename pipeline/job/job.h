@@ -64,7 +64,7 @@ struct Job {
     /// What views ask for alone and no model of this [fit] has; read_job refuses it.
     std::vector<ConfigError> refused;
     std::vector<std::string> left_out;  ///< "curvature: no AOV and no line asks for it"
-    std::vector<std::string> uncertain;  ///< "view front: crease lines: drawn if the points ..."
+    std::vector<std::string> uncertain;  ///< "view front: crease lines: drawn if ..."
     std::vector<std::string> missing;   ///< "view front: crest lines: they
                                         ///< need degree = 3 in [fit]"
 };

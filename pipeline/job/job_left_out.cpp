@@ -48,14 +48,43 @@ std::string fit_remedy(LineKind kind, const BuildStages& stages) {
     return "they need sharp surfels: " + model_remedy(stages, "sharp", "on");
 }
 
+constexpr const char* kLeftToPoints = "sharp surfels: unless ";
+constexpr const char* kPicturesOf = "pictures of ";
+
 /// What the points will decide; empty if [fit] does.
 std::string left_to_the_points(const std::string& sharp) {
     if (sharp != "auto") return "";
     return fmt::format(
-        "sharp surfels: unless the cloud is a mesh of large faces, or more than {:.1f} % of the "
+        "{}the cloud is a mesh of large faces, or more than {:.1f} % of the "
         "places that the build looks at lie at edges (sharp = \"auto\" in [fit]; the build says)",
-        100 * kEdgeShare);
+        kLeftToPoints, 100 * kEdgeShare);
 }
+
+/// Reasons in the order in which they came, each once, with the views that it is of.
+class ReasonsOfViews {
+public:
+    void add(const std::string& view, const std::string& reason) {
+        const auto known = std::find_if(reasons_.begin(), reasons_.end(),
+                                        [&](const Reason& r) { return r.text == reason; });
+        if (known == reasons_.end()) reasons_.push_back({reason, {view}});
+        else if (known->views.back() != view) known->views.push_back(view);
+    }
+    /// "views front, iso: crest lines: ...".
+    std::vector<std::string> lines() const {
+        std::vector<std::string> out;
+        for (const Reason& r : reasons_)
+            out.push_back(fmt::format("view{} {}: {}", r.views.size() > 1 ? "s" : "",
+                                      fmt::join(r.views, ", "), r.text));
+        return out;
+    }
+
+private:
+    struct Reason {
+        std::string text;
+        std::vector<std::string> views;
+    };
+    std::vector<Reason> reasons_;
+};
 
 }  // namespace
 
@@ -100,29 +129,36 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
         if (name != "all" && name != "lines" && !asked.contains(name)) rest.push_back(name);
     // What "all" passes over is told as missing.
     if (!rest.empty() && !asked.contains("all"))
-        out.push_back(fmt::format("pictures of {}: no view asks for them", fmt::join(rest, ", ")));
+        out.push_back(fmt::format("{}{}: no view asks for them", kPicturesOf,
+                                  fmt::join(rest, ", ")));
     return out;
 }
 
+std::string left_out_in_a_line(std::span<const std::string> reasons, const std::string& how) {
+    std::vector<std::string> names;
+    for (const std::string& reason : reasons)
+        if (!reason.starts_with(kLeftToPoints) && !reason.starts_with(kPicturesOf))
+            names.push_back(reason.substr(0, reason.find(": ")));
+    if (names.empty()) return "";
+    return fmt::format("left out: {} (why: {})", fmt::join(names, ", "), how);
+}
+
 MissingInViews missing_in_views(std::span<const AskedView> views, const BuildStages& stages) {
-    MissingInViews out;
+    ReasonsOfViews certain, uncertain;
     const int degree = model_degree(stages);
     for (const AskedView& view : views) {
         if (view.refused) continue;
-        std::set<std::string> said;
         for (const LineKind kind :
              line_choice(view.render, view.aovs, degree, stages.sharp == "on").lacking)
-            if (said.insert(line_word(kind)).second)
-                (is_crease(kind) && stages.sharp == "auto" ? out.uncertain : out.certain)
-                    .push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
-                                          fit_remedy(kind, stages)));
+            (is_crease(kind) && stages.sharp == "auto" ? uncertain : certain)
+                .add(view.name,
+                     fmt::format("{} lines: {}", line_word(kind), fit_remedy(kind, stages)));
         for (const LeftOut& aov :
              left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty(),
                              stages.given ? SaidBy::options : SaidBy::keys))
-            out.certain.push_back(
-                fmt::format("view {}: {} of aov all: {}", view.name, aov.aovs, aov.reason));
+            certain.add(view.name, fmt::format("{} of aov all: {}", aov.aovs, aov.reason));
     }
-    return out;
+    return {certain.lines(), uncertain.lines()};
 }
 
 }  // namespace slim

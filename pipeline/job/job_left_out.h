@@ -22,8 +22,13 @@ struct AskedView {
 std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
                                            const BuildStages& stages);
 
+/// The same reasons as one line names them, "left out: curvature, rays (why: HOW)"; empty without
+/// any. What the points decided the build has said, and which pictures nobody asked for is known.
+std::string left_out_in_a_line(std::span<const std::string> reasons, const std::string& how);
+
 /// What views ask for and models of this [fit] cannot give: lines of which a picture then shows
-/// less, what "all" passes over. A line each, with the remedy; none of views that are refused.
+/// less, what "all" passes over. A line each, with the views and the remedy; none of views that are
+/// refused.
 struct MissingInViews {
     std::vector<std::string> certain;
     std::vector<std::string> uncertain;  ///< may be there: the points decide

@@ -6,7 +6,7 @@
 #include "pipeline/job/job_views.h"
 #include "pipeline/job/view_shares.h"
 #include "pipeline/manifest.h"
-#include "pipeline/render/ray_options.h"
+#include "pipeline/render/render_checks.h"
 #include "pipeline/render/render_config.h"
 #include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_uses.h"
@@ -19,6 +19,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 namespace slim {
@@ -115,14 +116,10 @@ private:
         if (n_views() > 1) name_line_files(own_name, options);
         options.insert(options.end(), own.begin(), own.end());
         view.name = own_name;
-        try {
-            check_view_name(view.name);
-        } catch (const ConfigError& error) {
-            throw error.at(toml_fault(file_, table.line));
-        }
+        at_their_keys(table, [&] { check_view_name(view.name); });
         const bool is_refused = is_beyond_fit(view.aovs, render, table);
         if (!names_.insert(view.name).second) refuse_second(view.name, table);
-        check_rays(render, view.aovs, table);
+        at_their_keys(table, [&] { check_options(render, view.aovs); });
         asked_.push_back({view.name, view.aovs, render, is_refused});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
         step.line = table.line;
@@ -161,14 +158,12 @@ private:
 
     void divide(JobStep& step, const RenderConfig& render, const ViewTable& view,
                 const TomlTable& table) {
-        try {
+        at_their_keys(table, [&] {
             const ViewDivision division = division_of_view(render, view.aovs, view.shares);
             step.shares =
                 shares_of_view(render, view.aovs, step.output, view.name, division.shares);
             step.division = division.reason;
-        } catch (const ConfigError& error) {
-            throw error.at(toml_fault(file_, table.line));
-        }
+        });
     }
 
     static std::set<std::string> keys_of(const TomlTable& table) {
@@ -220,6 +215,31 @@ private:
         return toml_fault(file_, table.line);
     }
 
+    /// Where a view's key is said: in its table, or for all views; else where its table begins.
+    Fault place_in_view(const TomlTable& view, const std::string& option) const {
+        const std::string key = option == "aov" ? "aovs" : option;
+        for (const TomlTable* table : {&view, find_table(root_, "render", file_),
+                                       find_table(root_, "output", file_)}) {
+            if (!table || (table->name == "output" && key != "aovs")) continue;
+            for (const TomlValue& value : table->values)
+                if (value.key == key) return toml_fault(file_, value.line);
+        }
+        return toml_fault(file_, view.line);
+    }
+
+    /// What a check of a view refuses, said of the line of the key that it names.
+    template <class Check>
+    void at_their_keys(const TomlTable& view, const Check& check) const {
+        try {
+            check();
+        } catch (const ConfigError& error) {
+            const bool is_shares = error.fault().key == "share";
+            Fault said = error.fault();
+            if (is_shares) said.key = "shares";
+            throw ConfigError(said).at(place_in_view(view, said.key));
+        }
+    }
+
     /// Where [render], or the first [[light]], says it.
     Fault place_of_default(const std::string& key) const {
         for (const TomlTable& table : root_.tables) {
@@ -231,24 +251,18 @@ private:
         return {.file = file_.string()};
     }
 
-    /// Checks what only rays can do.
-    void check_rays(const RenderConfig& render, const std::vector<std::string>& aovs,
-                    const TomlTable& table) const {
-        try {
-            check_tracing(render, aovs);
-        } catch (const ConfigError& error) {
-            throw error.at(toml_fault(file_, table.line));
-        }
-    }
-
     /// Whether it asks for what models of [fit] have not, and notes that.
     bool is_beyond_fit(const std::vector<std::string>& aovs, const RenderConfig& render,
                        const TomlTable& table) {
         try {
-            check_view_of_fit(aovs, render, job_.stages);
+            at_their_keys(table, [&] { check_view_of_fit(aovs, render, job_.stages); });
             return false;
         } catch (const ConfigError& error) {
-            job_.refused.push_back(error.at(toml_fault(file_, table.line)));
+            const auto is_said = [&](const ConfigError& said) {
+                return std::string_view(said.what()) == error.what();
+            };
+            if (std::none_of(job_.refused.begin(), job_.refused.end(), is_said))
+                job_.refused.push_back(error);
             return true;
         }
     }
@@ -273,7 +287,9 @@ private:
 
     void check_aovs(const std::vector<std::string>& aovs, const TomlTable& table) const {
         RenderConfig render;
-        fields_of(render).find("aov")->set(aovs, toml_fault(file_, table.line, "aovs"));
+        Fault place = place_in_view(table, "aovs");
+        place.key = "aovs";
+        fields_of(render).find("aov")->set(aovs, place);
     }
 
     /// Names come from views' tables, or from an option for all of them.

@@ -5,6 +5,7 @@
 #include "pipeline/job/index_page.h"
 #include "pipeline/job/job.h"
 #include "pipeline/job/job_config.h"
+#include "pipeline/job/job_left_out.h"
 #include "pipeline/job/job_steps.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
@@ -68,9 +69,12 @@ json run_job(const RunConfig& config, StageContext& context) {
     std::vector<StepOutcome> outcomes;
     for (const JobStep& step : job.steps) outcomes.push_back(run_step(step, context));
     warn_of_old_pictures(job, context.reporter);
-    for (const std::string& reason : job.left_out) context.reporter.info("left out: " + reason);
+    if (const std::string line = left_out_in_a_line(job.left_out, "slim plan --explain");
+        !line.empty())
+        context.reporter.info(line);
 
-    json result = {{"folder", job.folder.string()}, {"steps", steps_json(outcomes)}};
+    json result = {{"folder", job.folder.string()}, {"steps", steps_json(outcomes)},
+                   {"left_out", job.left_out}};
     const fs::path index = job.folder / "index.html";
     if (job.html) {
         write_file_atomically(index.string(), index_page(job, outcomes));

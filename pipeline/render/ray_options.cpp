@@ -1,6 +1,7 @@
 #include "pipeline/render/ray_options.h"
 
 #include "pipeline/contains.h"
+#include "pipeline/option_names.h"
 #include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_uses.h"
 #include "pipeline/render/render_view.h"
@@ -9,25 +10,47 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace slim {
 namespace {
 
 constexpr const char* kOneModel = " shows the colours of one model: leave out --add";
 
-/// What only rays can do.
-void require_rays(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    const auto require = [](bool asked, const char* key, const std::string& what = {}) {
-        if (asked)
-            throw ConfigError({.key = key, .problem = what + " needs rays: --mode raytrace"});
-    };
-    require(contains(aovs, "ao"), "aov", " ao");
-    require(config.ao, "ao");
-    require(config.ground, "ground");
-    require(!config.add.empty(), "add", " (several models)");
-    for (const Material& m : parse_materials(config.material))
-        require(m.mirror > 0, "material", " mirror");
+/// An option that is asked for, and what of it where it is not all.
+struct Asked {
+    const char* key;
+    const char* what;
+};
+
+/// What is asked for that only rays can do.
+std::vector<Asked> asked_of_rays(const RenderConfig& config,
+                                 const std::vector<std::string>& aovs) {
+    std::vector<Asked> asked;
+    if (contains(aovs, "ao")) asked.push_back({"aov", " ao"});
+    if (config.ao) asked.push_back({"ao", ""});
+    if (config.ground) asked.push_back({"ground", ""});
+    if (!config.add.empty()) asked.push_back({"add", " (several models)"});
+    const std::vector<Material> materials = parse_materials(config.material);
+    if (std::any_of(materials.begin(), materials.end(),
+                    [](const Material& m) { return m.mirror > 0; }))
+        asked.push_back({"material", " mirror"});
+    return asked;
+}
+
+/// ConfigError of the first, which names the others, too.
+void refuse_without_rays(const std::vector<Asked>& asked) {
+    if (asked.empty()) return;
+    std::string problem = asked[0].what;
+    for (std::size_t i = 1; i < asked.size(); ++i)
+        problem += (i + 1 < asked.size() ? ", " : " and ") + quoted_key(asked[i].key) +
+                   asked[i].what;
+    const char* const verb = asked.size() > 1 ? " need" : " needs";
+    throw ConfigError({.key = asked[0].key,
+                       .problem = problem + verb + " rays: " + quoted_key("mode") + " raytrace"});
 }
 
 }  // namespace
@@ -55,7 +78,7 @@ std::optional<Vec3f> ground_color(const RenderConfig& config) {
 }
 
 void check_tracing(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    if (!is_traced(config)) require_rays(config, aovs);
+    if (!is_traced(config)) refuse_without_rays(asked_of_rays(config, aovs));
     refuse_unused(config, aovs);
     if (!config.add.empty() && contains(config.aov, "color"))
         throw ConfigError({.key = "aov", .problem = std::string(" color") + kOneModel});

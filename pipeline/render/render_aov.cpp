@@ -2,6 +2,7 @@
 
 #include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_bands.h"
+#include "pipeline/render/render_checks.h"
 #include "pipeline/render/render_directions.h"
 #include "pipeline/render/render_look.h"
 #include "pipeline/render/render_maps.h"
@@ -116,15 +117,6 @@ Picture paint_openness(const RenderedFrame& frame, const RowRange& rows) {
 PictureSize part_size(const RenderedFrame& frame, const PictureSize& size) {
     const int factor = frame.size.width / size.width;
     return {frame.buffer.width / factor, frame.buffer.height / factor};
-}
-
-Vec3d shape_offset(const RenderConfig& config) {
-    if (config.offset.empty()) return {};
-    if (config.offset.size() != 3)
-        throw ConfigError({.key = "offset",
-                           .expected = "three numbers x,y,z",
-                           .found = std::to_string(config.offset.size())});
-    return {config.offset[0], config.offset[1], config.offset[2]};
 }
 
 }  // namespace

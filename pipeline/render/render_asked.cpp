@@ -1,6 +1,7 @@
 #include "pipeline/render/render_asked.h"
 
 #include "pipeline/contains.h"
+#include "pipeline/option_names.h"
 #include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_uses.h"
 #include "slim/base/error.h"
@@ -120,12 +121,15 @@ constexpr const char* kNoColors =
 std::vector<std::string> wanted_aovs(const RenderConfig& config) {
     const std::vector<std::string> aovs = written_out(config.aov);
     if (aovs.empty()) throw ConfigError({.key = "aov", .expected = "at least one"});
-    const bool truth = std::find(aovs.begin(), aovs.end(), "truth_distance") != aovs.end();
-    if (truth && config.truth_shape.empty())
-        throw ConfigError(
-            {.key = "aov",
-             .problem = " truth_distance needs a shape to measure against: --truth-shape"});
+    check_truth(config, aovs);
     return aovs;
+}
+
+void check_truth(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    if (contains(aovs, "truth_distance") && config.truth_shape.empty())
+        throw ConfigError({.key = "aov",
+                           .problem = " truth_distance needs a shape to measure against: " +
+                                      quoted_key("truth_shape")});
 }
 
 void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,

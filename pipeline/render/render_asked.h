@@ -18,6 +18,9 @@ bool is_third_order(const std::string& aov);
 /// ConfigError for truth_distance without a --truth-shape.
 std::vector<std::string> wanted_aovs(const RenderConfig& config);
 
+/// ConfigError for truth_distance among them without a --truth-shape.
+void check_truth(const RenderConfig& config, const std::vector<std::string>& aovs);
+
 /// AOVs with "all" written out and without what a model of that degree, with or without colours,
 /// cannot give.
 std::vector<std::string> possible_aovs(const std::vector<std::string>& asked, int degree,

@@ -200,10 +200,11 @@ private:
               "legend bar in the maps and beside them as SVG; where a picture of the run has one, "
               "named cameras leave its room free in all of them, so that they overlay: a corner "
               "that is free anyway, or a strip at the right or below, whichever leaves the model "
-              "larger (--no-legend: the model fills them)");
+              "larger (--no-legend: the model fills them); over a view that --zoom fills, where it "
+              "hides the least");
         field("legend_room", legend_room,
               "named cameras leave the room of the largest legend, whatever the run's pictures "
-              "have, so that those of several runs overlay");
+              "have, so that those of several runs overlay (not where --zoom fills it)");
         field("light_maps", light_maps,
               "light the curvature maps and the scan's colours (which are then not exact)");
     }

@@ -23,16 +23,23 @@
 namespace slim {
 namespace {
 
+/// What would give a model that has it, as whoever asked says that.
+std::string of_a_build(const std::string& option, const std::string& key) {
+    return runs_in_a_job() ? "expected " + key + " in [fit]" : "build it with " + option;
+}
+
 /// Why lines of that kind cannot be drawn from the model.
 std::string what_lacks(LineKind kind, const std::string& name, int degree) {
     if (is_crease(kind))
         return fmt::format(
             "{}: crease lines are the edges between the sheets of sharp surfels, of which the "
-            "model has none: build it with --sharp on (if it was, no edge was found)",
-            name);
-    return fmt::format("{}: {} lines need derivatives that a model of degree {} does not have: "
-                       "build it with --degree {}",
-                       name, line_word(kind), degree, line_degree(kind));
+            "model has none: {} (if it was, no edge was found)",
+            name, of_a_build("--sharp on", "sharp = \"on\""));
+    const int needed = line_degree(kind);
+    return fmt::format("{}: {} lines need derivatives that a model of degree {} does not have: {}",
+                       name, line_word(kind), degree,
+                       of_a_build(fmt::format("--degree {}", needed),
+                                  fmt::format("degree = {}", needed)));
 }
 
 /// What a file of lines must be named, so that it is no picture and no model.
@@ -68,9 +75,10 @@ std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector
     if (choice.drawn.empty() && !choice.lacking.empty())
         throw ConfigError(
             fmt::format("{}: none of the lines asked for can be drawn from a model of degree "
-                        "{}{}: build it with --degree 3",
+                        "{}{}: {}",
                         config.model, model.degree,
-                        without.contains("crease") ? " without sharp surfels (--sharp on)" : ""));
+                        without.contains("crease") ? " without sharp surfels" : "",
+                        of_a_build("--degree 3", "degree = 3")));
     return choice.drawn;
 }
 

@@ -117,24 +117,30 @@ Camera enlarged(Camera camera, const Vec3d& to_middle, double zoom) {
     return camera;
 }
 
-/// A named camera beside legends. Where these are below and the zoom fills that room, they stand
-/// elsewhere: then as if there were none. One at the right mostly stays there, whatever it hides.
-/// Films keep the room, and sides that are to have one scale.
+/// A named camera beside legends and scale bar. Room that the zoom fills is not kept: they then
+/// stand where they hide the least of the view that there would be without them. Films keep it, and
+/// sides that are to have one scale.
 FramedCamera framed_near(const RenderConfig& config, const Framed& framed, double aspect,
                          const Framing& framing, const LegendRoom& room) {
-    const auto with = [&](const LegendRoom& kept) {
-        return framed_beside(config.camera, framed, aspect, framing, kept);
+    const auto with = [&](const LegendRoom& kept, double free_bottom) {
+        Framing own = framing;
+        own.free_bottom = free_bottom;
+        return framed_beside(config.camera, framed, aspect, own, kept);
     };
-    const FramedCamera chosen = with(room);
+    const FramedCamera chosen = with(room, framing.free_bottom);
     const bool stays = config.turntable > 0 || !config.path.empty() || config.same_scale;
-    if (config.zoom <= 1 || stays || room.bottom <= 0 || framed.box.empty()) return chosen;
+    if (config.zoom <= 1 || stays || framed.box.empty()) return chosen;
+    const auto near = [&](const FramedCamera& of) {
+        return enlarged(of.camera, of.to_middle, config.zoom);
+    };
     LegendRoom kept = room;
-    kept.bottom = 0;
-    const bool is_above = length(with(kept).camera.eye - chosen.camera.eye) > 0;
-    const Camera near = enlarged(chosen.camera, chosen.to_middle, config.zoom);
-    if (!is_above || leaves_room(near, framed, aspect, room)) return chosen;
-    kept.right = kept.corner_width = kept.corner_height = 0;
-    return with(kept);
+    if (!leaves_room(near(chosen), framed, aspect, room))
+        kept.right = kept.bottom = kept.corner_width = kept.corner_height = 0;
+    const auto clears_bar = [&](double free_bottom) {
+        return leaves_bar_room(near(with(kept, free_bottom)), framed, aspect, room);
+    };
+    const bool keeps_strip = clears_bar(framing.free_bottom) && !clears_bar(0);
+    return with(kept, keeps_strip ? framing.free_bottom : 0);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "pipeline/contains.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/job/job.h"
+#include "pipeline/job/job_left_out.h"
 #include "pipeline/job/job_source.h"
 #include "pipeline/job/job_steps.h"
 #include "pipeline/render/render_inputs.h"
@@ -153,7 +154,8 @@ Json draw_views(const RenderConfig& config, StageContext& context) {
     Json files = Json::array();
     for (const StepOutcome& outcome : outcomes)
         for (const Json& file : outcome.result.value("files", Json::array())) files.push_back(file);
-    for (const std::string& reason : job.left_out) context.reporter.info("left out: " + reason);
+    if (const std::string line = left_out_in_a_line(job.left_out, "--json"); !line.empty())
+        context.reporter.info(line);
     context.text = steps_summary(outcomes);
     for (const Json& file : files) context.text += file.get<std::string>() + "\n";
     return {{"files", files},

@@ -76,7 +76,7 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
     json result = as_mesh ? smooth_faces(smoother) : smooth_cloud(smoother);
     const bool lost = warn_of_lost(config.cloud, config.model, result.at("unsupported"),
                                    result.at("points"), context.reporter);
-    if (!lost && !as_mesh)
+    if (!lost && !as_mesh && config.amount > 0)
         say_what_is_known(result, smoother.diagonal, config.model, config.cloud, context.reporter);
     return result;
 }

@@ -30,7 +30,8 @@ def build_says_little():
     check(built.code == 0, built.err)
     lines = built.out.splitlines()
     check(len(lines) <= 8, f"build prints {len(lines)} lines: {built.out}")
-    for part in ("t.slim: 5000 points", " leaves", "fit error", "of each leaf alone", "fit ",
+    noise = run("slim", "build", "t.ply", "-o", "t.slim", "--json", "-q").json()["noise"]
+    for part in ("t.slim: 5000 points", " leaves", "fit error", "of each leaf alone", "fit ", f"noise {noise:.2g} of L",
                  "next: slim render t.slim -o t.png", "(l2: RMS distance"):
         check(part in built.out, f"build does not say '{part}': {built.out}")
     again = run("slim", "build", "t.ply", "-o", "t.slim")
@@ -138,13 +139,13 @@ def runs_that_cannot_be():
     check(not (harness.folder / "nosuch_plate").exists(), "a missing cloud leaves a folder")
     job = harness.folder / "third.toml"
     job.write_text("[input]\nfiles = ['t.ply']\n[[view]]\naovs = ['e1']\n[output]\ndir = 'third'\n")
-    refused(2, ["third.toml:3", "e1", "degree = 3"], "slim", "run", "third.toml")
+    refused(2, ["third.toml:4", "e1", "degree = 3"], "slim", "run", "third.toml")
     check(not (harness.folder / "third").exists(), "a view of third derivatives was seen after the build")
     check(run("slim", "plan", "third.toml", "--explain", "--set", "fit.degree=3").code == 0, "degree 3 refused")
     job.write_text("[input]\nfiles = ['t.ply']\n[[view]]\naovs = ['color']\n[output]\ndir = 'third'\n")
     refused(2, ["color = true"], "slim", "run", "third.toml")
     job.write_text("[input]\nfiles = ['t.ply']\n[[view]]\nname = '../out'\n")
-    refused(2, ["third.toml:3", "'/'"], "slim", "run", "third.toml")
+    refused(2, ["third.toml:4", "'/'"], "slim", "run", "third.toml")
     (harness.folder / "bad.ply").write_text("ply\nformat ascii 1.0\nelement vertex 1\n")
     failed = run("slim", "run", "plate", "bad.ply")
     check(failed.code == 3 and failed.err.count("error:") == 1, f"an error is said twice: {failed.err}")
@@ -261,7 +262,7 @@ def options_by_their_names():
                           (["--path", "front;back"], "--path: say how many pictures with --frames"),
                           (["--frames", "3"], "--frames is for a --path, which"),
                           (["--frame", "3"], "--frame is for a --turntable or a --path, which"),
-                          (["--lines", "contour", "--turntable", "3", "--lines-obj", "x.obj"], "--lines-obj are for one"),
+                          (["--lines", "contour", "--turntable", "3", "--lines-obj", "x.obj"], "--lines-obj is for one"),
                           (["--aov", "truth_distance"], "--truth-shape")):
         refused(2, [told], "slim", "render", "t.slim", "-o", "x.png", "--size", "60x50", *options)
     check("--add a.slim,b.slim" in run("slim", "render", "--help").out, "--help does not tell how to add several models")

@@ -41,7 +41,19 @@ def kinds():
     check("curvature.mean" in data.get("channels", []), f"channels of y.exr: {data.get('channels')}")
     info("c.truth", kind="truth", points=6000, cloud="c.ply")
     check("feature lines" in info("x.lines.svg", kind="svg").get("about", ""), "x.lines.svg")
-    info("job.toml", kind="job", tables=["input", "view"])
+    job = info("job.toml", kind="job", tables=["input", "view"], views=1, keys=1, input={"files": ["c.ply"]})
+    check(job.get("view_list") == [{"name": "front", "aovs": ["shaded"], "lines": []}], f"views of a job: {job}")
+    (folder / "long.toml").write_text("[input.scan]\nshape = 'torus'\n[fit]\ndegree = 3\n[render]\ncamera = 'iso'\n"
+                                      "[[view]]\naovs = ['mean', 'k1']\n[[view]]\nname = 'b'\nlines = 'crest'\n"
+                                      "[output]\naovs = ['depth']\ndir = 'out/x'\n")
+    long = info("long.toml", kind="job", views=2, keys=8, fit={"degree": 3}, scan={"shape": "torus"})
+    check([v["name"] for v in long.get("view_list", [])] == ["iso", "b"], f"names of views: {long}")
+    told = run("slim", "info", "long.toml").out
+    for part in ("shape = torus", "degree = 3", "iso: mean, k1; b: depth, lines crest", "dir = out/x"):
+        check(part in told, f"a job does not say '{part}': {told}")
+    (folder / "options.toml").write_text("size = '9x9'\nzoom = 2\n")
+    info("options.toml", kind="toml", keys=2, options={"size": "9x9", "zoom": 2})
+    check("2: size, zoom" in run("slim", "info", "options.toml").out, "keys of options")
     check(info("x.lines.svg").get("paths", 0) > 0, "paths of x.lines.svg")
     (folder / "drawn.svg").write_text('<svg><defs><linearGradient id="a"/></defs><line x1="0"/><line\nx1="1"/><path d=""/>'
                                       '<polyline points=""/><textPath/><text>a</text><path/></svg>\n')
@@ -66,7 +78,8 @@ def records():
     info(step.relative_to(folder), kind="step", files=4)
     info(str(step.relative_to(folder)).replace(".step.json", ".log"), kind="log", errors=0)
     info("rep/index.html", kind="html", html_tables=1)
-    info("small.toml", kind="report", experiments=1)
+    info("small.toml", kind="report", experiments=1, experiment_names=["rows"])
+    check("1: rows" in run("slim", "info", "small.toml").out, "experiments of a report")
     info("m.slim.done.json", kind="manifest", outputs=1)
     info("c.scans.json", kind="scans", scans=8)
     info("w/plan.json", kind="plan", slices=2)

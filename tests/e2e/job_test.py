@@ -142,11 +142,20 @@ def same_pictures_of_a_model():
           f"a file that an option named is the option's, not the job's: {added.out}")
 
 
+def left_out_in_a_line():
+    """A run names what nothing asks for in one line, a program is told why."""
+    (harness.folder / "two.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[render]\nsize = "64x48"\n[output]\n'
+                                             'dir = "two"\n[[view]]\ncamera = "top"\n[[view]]\ncamera = "iso"\n')
+    result = run("slim", "run", "two.toml", "--json")
+    check(result.code == 0 and result.err.count("left out: ") == 1 and "rays" in result.err, f"two views: {result.err}")
+    check(any(line.startswith("rays: no view") for line in result.json()["left_out"]), f"reasons: {result.out}")
+
+
 def explained():
     """A job that run refuses is explained, with the fault; no plan is made of it."""
     (harness.folder / "crest.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[fit]\ndegree = 2\n[[view]]\nlines = ["crest"]\n')
     told = run("slim", "plan", "crest.toml", "--explain")
-    fault = "crest.toml:5: lines crest need third derivatives"
+    fault = "crest.toml:6: lines crest need third derivatives"
     check(told.code == 0 and fault in told.out and "build: slim build" in told.out, f"{told.code} {told.out} {told.err}")
     check(fault in run("slim", "plan", "crest.toml", "--explain", "--json").json()["refused"][0], "refused in --json")
     for words in (("plan", "crest.toml"), ("run", "crest.toml")):
@@ -156,12 +165,12 @@ def explained():
 
 def parts_of_a_step():
     """What a step was refused for reaches a program in its parts, of run as of render --job."""
-    (harness.folder / "cut.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[output]\ndir = "cut"\n[[view]]\ncrop = "0,0,9999,9"\n')
+    (harness.folder / "cut.toml").write_text('[input]\nfiles = ["out/cloud.ply"]\n[output]\ndir = "cut"\n[[view]]\northo_width = 1e-95\n')
     for words in (("run", "cut.toml"), ("render", "out/model.slim", "-o", "x", "--job", "cut.toml")):
         result = run("slim", *words, "--json", "-q")
         error = result.json()["error"]
-        check(result.code == 2 and error.get("key") == "crop" and error.get("expected", "").startswith("x,y,w,h") and
-              error.get("found") == "'0,0,9999,9'" and "view front: " in error["message"], f"{words}: {result.out}")
+        check(result.code == 2 and error.get("key") == "ortho_width" and error.get("expected", "").startswith("0, or") and
+              error.get("found") == "1e-95" and "view front: " in error["message"], f"{words}: {result.out}")
         check("\n" not in result.err.strip() and result.err.strip().endswith(error["message"]), f"{words}: {result.err}")
 
 
@@ -301,6 +310,7 @@ def wrong_jobs():
 
 whole_job()
 same_pictures_of_a_model()
+left_out_in_a_line()
 explained()
 parts_of_a_step()
 only_what_changed()

@@ -6,15 +6,15 @@ import harness
 
 
 def keys_in(value):
-    """The keys of all objects in it, but for a manifest's configuration (which --help explains) and
-    the sums that `normals` hands on."""
+    """The keys of all objects in it, but for a manifest's configuration and a job's views (which
+    --help explains) and the sums that `normals` hands on."""
     if isinstance(value, list):
         return set().union(*map(keys_in, value)) if value else set()
     if not isinstance(value, dict):
         return set()
     keys = {key for key in value if re.fullmatch(r"[a-z][a-z_0-9]*", key)}
     return keys.union(*(keys_in(value[key]) for key in value if key not in ("config", "evidence", "noise",
-                                                                         "rules")))
+                                                                         "rules", "view_list")))
 
 
 def documented():
@@ -38,6 +38,8 @@ RUNS = [
     ("slim-info", "e.slim"),
     ("slim-info", "x.mean.png"),
     ("slim-info", "c.truth"),
+    ("slim-info", "s.ply"),
+    ("slim-info", "views.toml"),
     ("slim-render", "m.slim", "--job", "views.toml", "-o", "views"),
 ]
 

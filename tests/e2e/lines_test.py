@@ -229,6 +229,9 @@ dir = "out"
     check((harness.folder / "lines.obj").exists(), "job: no lines.obj")
     check('id="suggestive"' in (out / "iso.lines.svg").read_text(), "the view's own lines win")
     check('href="front.lines.svg"' in (out / "index.html").read_text(), "page without the drawing")
+    flat = run("slim", "run", "job.toml", "--set", "fit.degree=2")
+    check(flat.code == 0 and "crest lines need" in flat.err and "degree = 3 in [fit]" in flat.err and
+          "--degree" not in flat.err, f"a job is told of its keys: {flat.err}")
 
 
 shapes()

@@ -65,6 +65,9 @@ def impossible():
             ("build", ("--quiet", "--verbose"), "--quiet")):
         result = run(f"slim-{verb}", *VERBS[verb], *words)
         check(result.code == 2 and expected in result.err, f"{verb} {words}: exit {result.code}: {result.err[-300:]}")
+    result = run("slim", "build", "s.ply", "-o", "none.slim", "--sensors", "none.json")
+    check(result.code == 3 and "none.json: cannot be opened" in result.err and "slice:" not in result.err,
+          f"sensors that are not there are told before the cloud is read: {result.err}")
     result = run("slim", "normals", "work", "--sensors", ".")
     check(result.code == 3 and "internal" not in result.err, f"a folder of sensors: {result.code} {result.err}")
 

@@ -32,6 +32,13 @@ def points():
     info = run("slim-info", "s.ply", "--json").json()
     check(info["points"] == 20000 and "scan" in info["attributes"] and "scalar_displacement" in info["skipped"],
           f"info: {info}")
+    noise = run("slim-info", "m.slim", "--json").json()["noise"]
+    check(info["noise_variance"] > 0 and abs(info["noise"] - noise) < 0.02 * noise and "slim smooth" in info["about"],
+          f"the noise that a smoothed cloud had, of a model with {noise}: {info}")
+    told = run("slim-info", "s.ply").out
+    check(f"{info['noise']:.2g} of L" in told, f"info for people: {told}")
+    check("noise" not in run("slim-info", "c.ply", "--json").json(), "noise of a cloud that is not smoothed")
+    check("of L, in the median leaf" in run("slim-smooth", "m.slim", "c.ply", "-o", "s.ply").out, "noise that smooth says")
     manifest = json.loads((folder / "s.ply.done.json").read_text())
     check(manifest["stage"] == "smooth" and len(manifest["inputs"]) == 2, "the manifest names model and cloud")
     check(smooth("c.ply", "s.ply").json().get("up_to_date") is True, "a second run smooths again")

@@ -161,7 +161,10 @@ Picture covered_but(int x0, int y0, int x1, int y1) {
 TEST(Legend, StandsWhereItCoversLeast) {
     const auto place = [](const Picture& p) { return best_legend_place(mean_legend(), p); };
     EXPECT_EQ(place(Picture(1000, 1000)), LegendPlace::right);
-    EXPECT_EQ(place(white(1000, 1000)), LegendPlace::right);  // no better elsewhere
+    EXPECT_EQ(place(white(1000, 1000)), LegendPlace::below);  // the smaller panel, at the edge
+    const Picture narrow = white(150, 1000);  // for that
+    EXPECT_LT(legend_box(mean_legend(), LegendPlace::below, 150, 1000).x0, 0);
+    EXPECT_EQ(place(narrow), LegendPlace::right_bottom);  // not over the middle
     EXPECT_EQ(place(covered_but(700, 0, 1000, 550)), LegendPlace::right_top);
     EXPECT_EQ(place(covered_but(700, 450, 1000, 1000)), LegendPlace::right_bottom);
     EXPECT_EQ(place(covered_but(0, 200, 300, 800)), LegendPlace::left);

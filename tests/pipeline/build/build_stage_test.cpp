@@ -210,10 +210,19 @@ TEST_F(BuildStage, InfoSaysThingsOnceAndLevelsInOrder) {
             ++n;
         return n;
     };
-    for (const char* key : {"diagonal", "degree", "t_mdl", "forced"})
+    for (const char* key : {"diagonal", "degree", "t_mdl"})
         EXPECT_EQ(times_said(key), 1u) << key << " in\n" << context.text;
     EXPECT_EQ(times_said("noise_variance"), 0u) << context.text;  // noise says it, over L
     EXPECT_NE(context.text.find("noise "), std::string::npos);
+    // Counts by what they mean, those that there are; their names are for programs.
+    EXPECT_TRUE(whole["fallbacks"].contains("contrary") && whole["dropped"].contains("beside"));
+    for (const char* name : {"fallbacks", "contrary", "beside", "  rank"})
+        EXPECT_EQ(context.text.find(name), std::string::npos) << name << " in\n" << context.text;
+    EXPECT_EQ(times_said("points left out"), 1u) << context.text;
+    const auto n_smallest = whole["fallbacks"]["forced"].get<std::uint64_t>();
+    EXPECT_EQ(times_said("of the smallest radius, with more error than asked"),
+              n_smallest > 0 ? 1u : 0u)
+        << context.text;
     const std::string levels = summary_text({{"levels", {{"10", 5}, {"2", 7}, {"1", 9}}}}, {});
     EXPECT_LT(levels.find("1   9"), levels.find("2   7")) << levels;
     EXPECT_LT(levels.find("2   7"), levels.find("10  5")) << levels;

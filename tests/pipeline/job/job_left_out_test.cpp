@@ -1,5 +1,6 @@
-#include "pipeline/job/job.h"
+#include "pipeline/job/job_left_out.h"
 
+#include "pipeline/job/job.h"
 #include "pipeline/job/job_source.h"
 #include "tests/pipeline/job/job_support.h"
 
@@ -7,6 +8,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 namespace slim::test {
 namespace {
@@ -141,6 +144,25 @@ TEST(Job, SaysWhatWillBeMissing) {
         EXPECT_NE(all.find(aov), std::string::npos) << aov << all;
 }
 
+TEST(Job, SaysWhatSeveralViewsLackOnceWithTheirNames) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[fit]\ndegree = 2\n[render]\nlines = 'contour,crest,crease'\n"
+        "[[view]]\nname = 'a'\n[[view]]\nname = 'b'\nlines = 'contour'\n[[view]]\nname = 'c'\n"));
+    const std::vector<std::string> crest{"views a, c: crest lines: they need degree = 3 in [fit]"};
+    EXPECT_EQ(job.missing, crest);
+    ASSERT_EQ(job.uncertain.size(), 1u);
+    EXPECT_TRUE(job.uncertain[0].starts_with("views a, c: crease lines: "));
+}
+
+TEST(Job, NamesWhatIsLeftOutInALine) {
+    const Job job = read_job(write_job("[input]\nfiles = ['a.ply']\n[[view]]\n"));
+    EXPECT_GT(job.left_out.size(), 7u);
+    EXPECT_EQ(left_out_in_a_line(job.left_out, "HOW"),
+              "left out: measure, curvature, third derivatives, feature lines, colours, rays, scan "
+              "(why: HOW)");
+    EXPECT_EQ(left_out_in_a_line({}, "HOW"), "");
+}
+
 TEST(Job, ExplainsWhatARunRefuses) {
     const std::string begin = "[input]\nfiles = ['a.ply']\n[fit]\ndegree = 2\n";
     const auto file = write_job(begin + "[[view]]\nname = 'v'\nlines = ['crest']\n" +
@@ -148,13 +170,13 @@ TEST(Job, ExplainsWhatARunRefuses) {
     const Job job = read_job_to_explain(file);
     ASSERT_EQ(job.refused.size(), 2u);
     EXPECT_EQ(job.refused[0].what(),
-              file.string() + ":5: lines crest need third derivatives, which a model of degree 2 "
+              file.string() + ":7: lines crest need third derivatives, which a model of degree 2 "
                               "does not have: expected degree = 3 in [fit]");
     const std::string text = explanation_of(job);
     EXPECT_TRUE(text.starts_with("`slim run` refuses this job:\n  " +
                                  std::string(job.refused[0].what()) + "\n"))
         << text;
-    EXPECT_NE(text.find(":8: aov e1 needs"), std::string::npos) << text;
+    EXPECT_NE(text.find(":10: aov e1 needs"), std::string::npos) << text;
     EXPECT_NE(text.find("view x: slim render"), std::string::npos) << text;
     EXPECT_TRUE(job.missing.empty()) << job.missing[0];  // said once
     try {

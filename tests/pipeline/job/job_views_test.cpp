@@ -167,7 +167,7 @@ TEST(JobDrawing, SaysWhatItCannotDrawAndWhere) {
     EXPECT_EQ(drawing_refusal("[render]\nsize = '9x9'\n"),
               file.string() + ": no [[view]]: there is nothing to draw");
     EXPECT_EQ(drawing_refusal("[[view]]\naovs = ['e1']\n"),
-              file.string() + ":1: aov e1 needs third derivatives, which a model of degree 2 does "
+              file.string() + ":2: aov e1 needs third derivatives, which a model of degree 2 does "
                               "not have: expected a model built with --degree 3");
     EXPECT_EQ(drawing_refusal("[[view]]\n", {{"size", Field::Kind::text, false, {"9"}, 0}}),
               file.string() + ", command line: size: expected WIDTHxHEIGHT, each 1 to 32768; "
@@ -264,7 +264,7 @@ TEST(Job, BadLightsAreRefusedWithTheirLine) {
     EXPECT_NE(message("[render]\nlight = 'sonne'").find(":4: "), std::string::npos);
     EXPECT_NE(message("[render]\nlight = 'sun'\n[[light]]\nkind = 'key'").find("one of the two"),
               std::string::npos);
-    EXPECT_NE(message("[render]\nao = true").find("--mode raytrace"), std::string::npos);
+    EXPECT_NE(message("[render]\nao = true").find("ao needs rays"), std::string::npos);
 }
 
 TEST(Job, OptionsOfAllViewsGoToThoseThatTakeThemAndAreRefusedWhereNoneDoes) {

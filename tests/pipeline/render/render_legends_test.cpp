@@ -157,7 +157,7 @@ TEST_F(RenderLegends, ZoomLeavesTheMiddleBesideALegendInItsPlace) {
     }
 }
 
-TEST_F(RenderLegends, AZoomThatFillsTheRoomBelowKeepsNone) {
+TEST_F(RenderLegends, AZoomThatFillsALegendsRoomKeepsNone) {
     RenderConfig c = config("x.png");
     c.size = "300x400";
     const auto camera_of = [&](bool legend, double zoom) {
@@ -171,10 +171,26 @@ TEST_F(RenderLegends, AZoomThatFillsTheRoomBelowKeepsNone) {
     // What is to be of one scale, and films, are framed as before.
     c.ortho = c.same_scale = true;
     EXPECT_NE(camera_of(true, 1.5), camera_of(false, 1.5));
-    // A legend at the right stays there, and so does its room.
+    // At the right it keeps its room until that is filled.
     c.ortho = c.same_scale = false, c.size = "400x200";
     EXPECT_NE(camera_of(true, 1.2), camera_of(false, 1.2));
-    EXPECT_NE(camera_of(true, 2), camera_of(false, 2));
+    EXPECT_EQ(camera_of(true, 2), camera_of(false, 2));
+}
+
+TEST_F(RenderLegends, AZoomThatFillsAScaleBarsStripKeepsNone) {
+    RenderConfig c = config("x.png");
+    c.size = "300x300", c.ortho = true;
+    const auto camera_of = [&](bool scale_bar, double zoom) {
+        RenderConfig of = c;
+        of.scale_bar = scale_bar, of.zoom = zoom;
+        run(of);
+        return read_png(file("x.png")).metadata.at("slim:camera");
+    };
+    EXPECT_NE(camera_of(true, 1), camera_of(false, 1));
+    EXPECT_NE(camera_of(true, 1.02), camera_of(false, 1.02));  // still free
+    EXPECT_EQ(camera_of(true, 3), camera_of(false, 3));
+    c.same_scale = true;  // one room for all sides
+    EXPECT_NE(camera_of(true, 3), camera_of(false, 3));
 }
 
 TEST_F(RenderLegends, WordsNeverStandOverAScaleBar) {

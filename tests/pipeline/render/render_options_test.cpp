@@ -32,7 +32,7 @@ TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
         {"words.png", [&](RenderConfig& c) { c.matcap = file("words.png"), c.aov = {"matcap"}; }},
         {"nowhere.png",
          [&](RenderConfig& c) { c.matcap = file("nowhere.png"), c.aov = {"matcap"}; }},
-        {"--ortho", [](RenderConfig& c) { c.scale_bar = true; }},
+        {"no one scale", [](RenderConfig& c) { c.scale_bar = true; }},
         {"crop: expected", [](RenderConfig& c) { c.crop = "1,2,3"; }},
         {"inside the picture of 80x60", [](RenderConfig& c) { c.crop = "70,0,11,10"; }},
         {"tile: expected", [](RenderConfig& c) { c.tile = "3/2"; }},

@@ -276,7 +276,7 @@ TEST_F(RenderStage, BadOptionsAreNamed) {
         {"range", [](RenderConfig& c) { c.range = {"-1"}; }},
         {"range", [](RenderConfig& c) { c.range = {"colour=3"}; }},
         {"range", [](RenderConfig& c) { c.range = {"mean=3:1"}; }},
-        {"--truth-shape", [](RenderConfig& c) { c.aov = {"truth_distance"}; }},
+        {"to measure against", [](RenderConfig& c) { c.aov = {"truth_distance"}; }},
         {"truth_shape", [](RenderConfig& c) { c.truth_shape = "sphere"; }},
         {"offset", [](RenderConfig& c) {
              c.aov = {"truth_distance"}, c.truth_shape = "sphere", c.offset = {1, 2};

@@ -100,11 +100,15 @@ TEST_F(RenderTrace, BadLightsAreNamed) {
 
 TEST_F(RenderTrace, BadOptionsAreNamed) {
     const RefusedCase cases[] = {
-        {"--mode raytrace", [](RenderConfig& c) { c.mode = "forward", c.ao = true; }},
-        {"--mode raytrace", [](RenderConfig& c) { c.mode = "forward", c.ground = true; }},
-        {"--mode raytrace", [](RenderConfig& c) { c.mode = "forward", c.aov = {"ao"}; }},
-        {"--mode raytrace", [](RenderConfig& c) { c.mode = "forward", c.material = "mirror=1"; }},
-        {"--mode raytrace", [](RenderConfig& c) { c.mode = "brute", c.add = {"x.slim"}; }},
+        {"ao needs rays", [](RenderConfig& c) { c.mode = "forward", c.ao = true; }},
+        {"ground needs rays", [](RenderConfig& c) { c.mode = "forward", c.ground = true; }},
+        {"aov ao needs rays", [](RenderConfig& c) { c.mode = "forward", c.aov = {"ao"}; }},
+        {"material mirror needs rays",
+         [](RenderConfig& c) { c.mode = "forward", c.material = "mirror=1"; }},
+        {" raytrace", [](RenderConfig& c) { c.mode = "brute", c.add = {"x.slim"}; }},
+        // All that is asked for, at once.
+        {"ground", [](RenderConfig& c) { c.mode = "forward", c.ao = c.ground = true; }},
+        {" need rays", [](RenderConfig& c) { c.mode = "brute", c.ao = c.ground = true; }},
         {"--ao", [](RenderConfig& c) { c.ao_distance = 1; }},
         {"--ao", [](RenderConfig& c) { c.ao_samples = 9; }},
         {"ao is for the aov shaded", [](RenderConfig& c) { c.ao = true, c.aov = {"mean"}; }},

@@ -46,6 +46,12 @@ TEST_F(SmoothStage, SaysWhereMostLeavesAreKeptWithoutAlarm) {
     EXPECT_GT(2 * said["points_held_back"].get<int>(), said["moved"]);
     EXPECT_LT(said["noise"], 3e-5);
     EXPECT_EQ(said["leaves_noise_unknown"], 0);
+    // Where none is to go anywhere, none goes part of the way.
+    SmoothConfig stay;
+    stay.amount = 0;
+    listener_.infos.clear();
+    smooth(cloud, stay);
+    EXPECT_TRUE(listener_.infos.empty()) << listener_.infos[0];
 }
 
 TEST_F(SmoothStage, SaysNothingOfPointsHeldBackWhereMostGoAllTheWay) {
