@@ -114,7 +114,7 @@ std::string build_summary(const std::string& model, const std::vector<std::strin
                  typical = result.value("typical_variance", lambda);
     const nlohmann::json& fit = result.at("stages").at("fit");
     std::string noise = fmt::format("noise {:.2g} of L", noise_over_diagonal(lambda, diagonal));
-    if (fit.value("step_variance", 0.0) > 0)
+    if (2 * fit.value("step_variance", 0.0) > lambda)
         noise += " (of coordinates in steps)";
     else if (is_mostly_edges(lambda, typical))
         noise += fmt::format(" (of edges and bends; {:.2g} at a typical place)",

@@ -165,7 +165,7 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     if (is_strayed && volume > 0)
         out.stray_density = stray_share(chosen) * static_cast<double>(plan.n_points) / volume;
     out.floored = lambda <= 0 && std::max({measured, smoothed, stepped}) < floor;
-    if (lambda <= 0 && out.noise_variance == stepped) {
+    if (lambda <= 0) {
         out.step_variance = stepped;
         out.typical_variance = std::max(out.typical_variance, stepped);
     }

@@ -12,7 +12,7 @@ struct GlobalNoise {
     /// lambda: no less than (4 q)^2, q the step between floats, than smoothed_variance(), and than
     /// what the coordinates' own steps make
     double noise_variance = 0;
-    double step_variance = 0;   ///< lambda if it is that of the steps, else 0
+    double step_variance = 0;   ///< what of lambda the coordinates' steps make
     double mean_variance = 0;   ///< lambda with all strays and noisy parts
     double stray_density = 0;   ///< strays to the volume of the cloud's box; 0 if they hardly count
     bool are_estimated = false;   ///< most of the normals are
