@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace slim {
@@ -20,7 +21,7 @@ constexpr double kShows = 0.05;       // typical noise over the spacing, at leas
 constexpr double kLeft = 0.4;         // of the typical variance; neighbours err alike
 constexpr double kReach = 3.5;        // spacings: some 38 points, of which 10 count as one would
 constexpr double kUsualTurns = 1.5;   // times the usual difference of two normals: alike, ...
-constexpr double kMostTurn = 0.7;     // up to 41 degrees, as edges are
+constexpr double kLeastTurn = 0.01, kMostTurn = 0.7;  // from half a degree to 41, as edges are
 constexpr int kTurns = 8, kMoves = 3;
 constexpr std::size_t kGrain = 16;  // buckets
 
@@ -88,7 +89,7 @@ public:
           next_(now_),
           boxes_(now_.size(), [this](std::size_t i) { return now_[i].position; }),
           reach_(reach),
-          weight_{square(reach), square(std::min(kMostTurn, kUsualTurns * usual_turn(now_)))} {}
+          weight_{square(reach), square(std::clamp(kUsualTurns * usual_turn(now_), kLeastTurn, kMostTurn))} {}
 
     void run(int n, Agreement agree) {
         for (int i = 0; i < n; ++i) {
@@ -122,7 +123,7 @@ private:
 }  // namespace
 
 bool PartNoise::is_everywhere() const {
-    return typical_variance > kEverywhere * variance &&
+    return spacing > 0 && typical_variance > kEverywhere * variance &&
            typical_variance > square(kShows * spacing);
 }
 
