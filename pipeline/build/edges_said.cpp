@@ -47,7 +47,7 @@ std::string edges_text(const nlohmann::json& result, Remedies remedies) {
                        sharp ? "above" : "not above", 100 * kEdgeShare,
                        sharp ? "with sharp surfels " + with("off", "without")
                              : "without sharp surfels " + with("on", "with"),
-                       is_true("on_faces") ? ", of points moved onto their faces, as of noise" : "");
+                       is_true("on_faces") ? ", of points moved onto faces (noise)" : "");
 }
 
 }  // namespace slim

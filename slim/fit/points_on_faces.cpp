@@ -89,7 +89,8 @@ public:
           next_(now_),
           boxes_(now_.size(), [this](std::size_t i) { return now_[i].position; }),
           reach_(reach),
-          weight_{square(reach), square(std::clamp(kUsualTurns * usual_turn(now_), kLeastTurn, kMostTurn))} {}
+          weight_{square(reach),
+                  square(std::clamp(kUsualTurns * usual_turn(now_), kLeastTurn, kMostTurn))} {}
 
     void run(int n, Agreement agree) {
         for (int i = 0; i < n; ++i) {

@@ -159,7 +159,7 @@ TEST(PointsOnFaces, AreTheSameForAnyNumberOfThreads) {
 }
 
 TEST(PointsOnFaces, ExactPartsAndTheirRoundingAreNotInNoise) {
-    // lambda and the noise of a typical place of fandisk, noiseless and with noise, and of nefertiti
+    // lambda and the noise of a typical place of fandisk, exact and with noise, and of nefertiti
     const double spacing = 0.0942;
     EXPECT_FALSE((PartNoise{2.81e-4, 3.5e-8, spacing}).is_everywhere());
     EXPECT_TRUE((PartNoise{1.46e-3, 1.22e-3, spacing}).is_everywhere());
