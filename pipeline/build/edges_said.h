@@ -1,7 +1,6 @@
 #pragma once
 
-#include "slim/cover/cover_rules.h"
-#include "slim/fit/edge_share.h"
+#include "slim/cover/level_cover.h"
 
 #include <nlohmann/json.hpp>
 
@@ -9,9 +8,10 @@
 
 namespace slim {
 
-/// Whether edges got sharp surfels ("sharp"), and where the points decided (--sharp auto) the share
-/// of places at edges ("edge_share") and how many were looked at ("edge_places").
-nlohmann::json sharp_json(const CoverRules& rules, const EdgeShare& edges);
+/// Whether edges got sharp surfels ("sharp"), where the points decided (--sharp auto) the share of
+/// places at edges ("edge_share") and how many were looked at ("edge_places"), and of a part in
+/// noise that its points were moved onto its faces ("on_faces").
+nlohmann::json sharp_json(const CoverRules& rules, const Cover& cover);
 
 /// The same keys of another result, and "sharp_by_faces" (is_sharp_by_faces).
 nlohmann::json sharp_of(const nlohmann::json& result);

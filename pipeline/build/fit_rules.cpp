@@ -39,6 +39,7 @@ CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SliceP
     rules.typical_variance = noise.typical_variance;
     rules.stray_density = noise.stray_density;
     rules.lines_are_wires = noise.lines_are_wires;
+    rules.are_estimated = noise.are_estimated;
     rules.follow_normals = noise.normals_inform && !rules.windows;
     // Strays and parts with noise are no detail: a second fit would follow them point by point.
     const double roughness = std::sqrt(noise.mean_variance) / noise.spacing;
@@ -76,9 +77,11 @@ nlohmann::json rules_json(const CoverRules& rules) {
 
 std::string shared_values(const CoverRules& rules) {
     return fmt::format(
-        "lambda {} contrary {} spacing {} typical {} normals {} refits {} strays {} wires {}",
+        "lambda {} contrary {} spacing {} typical {} normals {} refits {} strays {} wires {} "
+        "estimated {}",
         rules.noise_variance, rules.ladder.contrary_share, rules.spacing, rules.typical_variance,
-        rules.follow_normals, rules.refits, rules.stray_density, rules.lines_are_wires);
+        rules.follow_normals, rules.refits, rules.stray_density, rules.lines_are_wires,
+        rules.are_estimated);
 }
 
 }  // namespace slim

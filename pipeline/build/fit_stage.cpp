@@ -34,7 +34,7 @@ nlohmann::json write_cover(const std::filesystem::path& path, const PointBlock& 
     const Cover cover = cover_points(points, rules, context.reporter);
     context.check_stop();
     nlohmann::json result = counts_json(cover.counts);
-    const nlohmann::json sharp = sharp_json(rules, cover.edges);
+    const nlohmann::json sharp = sharp_json(rules, cover);
     rules.sharp = sharp.at("sharp");
     file.commit(text_of({{"rules", rules_json(rules)}, {"counts", result}}), cover.dropped);
     result.update(sharp);

@@ -50,6 +50,7 @@ struct CoverRules {
     bool ask_for_edges = false;  ///< the points decide in place of `sharp` (edge_share)
     std::uint64_t n_points = 0;  ///< of the whole job; 0: as many as are here
     bool follow_normals = false;  ///< fits follow the points' normals as well (slim/fit/notes/0007)
+    bool are_estimated = false;  ///< most of those normals were made from neighbouring points
     /// Leaves are fitted a second time, to what their blend leaves over (blend_refit.h),
     /// and so overlap less.
     bool refits = false;

@@ -31,20 +31,6 @@ constexpr double kConflict = 0.5;           // share of rho_r within which a
                                             // centre likely forestalls another
 constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
 
-/// The box of points.
-Bbox box_of(const PointBlock& points) {
-    constexpr std::size_t kGrain = 65536;
-    std::vector<Bbox> parts((points.size() + kGrain - 1) / kGrain);
-    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        Bbox box;
-        for (std::size_t i = begin; i < end; ++i) box.extend(points.position[i]);
-        parts[begin / kGrain] = box;
-    });
-    Bbox box;
-    for (const Bbox& part : parts) box.extend(part);
-    return box;
-}
-
 /// Those of some points that are wanted. Their states lie anywhere in memory, and are fetched
 /// ahead.
 template <class IsWanted>
@@ -63,15 +49,6 @@ std::vector<std::uint32_t> wanted_of(std::span<const std::uint32_t> points,
     std::vector<std::uint32_t> out;
     for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
     return out;
-}
-
-EdgeQuestion edge_question(const CoverRules& rules, std::size_t n_here) {
-    const double n = static_cast<double>(n_here) / rules.share;
-    return {.spacing = rules.spacing,
-            .n_points = rules.n_points > 0 ? static_cast<double>(rules.n_points) : n,
-            .noise_variance = rules.noise_variance,
-            .typical_variance = rules.typical_variance,
-            .contrary_share = rules.ladder.contrary_share};
 }
 
 }  // namespace
@@ -291,17 +268,6 @@ void LevelCover::make_internal(CoverCandidate& c, double radius, std::size_t thi
                      .fitted;
     for (std::size_t i = 0; i < work.exact.ball.n; ++i)
         c.stamped.push_back(tree.source(work.exact.ball.index[i]));
-}
-
-Cover cover_points(const PointBlock& points, const CoverRules& rules, Reporter& reporter) {
-    const PointPyramid pyramid(points, box_of(points), rules.seed, rules.share);
-    if (!rules.ask_for_edges) return LevelCover(points, rules, pyramid).run(reporter);
-    CoverRules decided = rules;
-    const EdgeShare edges = edge_share(points, pyramid, edge_question(rules, points.size()));
-    decided.sharp = edges.are_features();
-    Cover cover = LevelCover(points, decided, pyramid).run(reporter);
-    cover.edges = edges;
-    return cover;
 }
 
 }  // namespace slim

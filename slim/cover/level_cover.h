@@ -19,6 +19,7 @@ struct Cover {
                                         ///< isolated, unexplained or beside
     CoverCounts counts;
     EdgeShare edges;  ///< what CoverRules::ask_for_edges found: sharp if edges.are_features()
+    bool are_on_faces = false;  ///< points_on_faces() took their place: a part in noise
 };
 
 /// Covers points by surfels, level by level (Ohtake 2005 sec. 2 with the ladder of DESIGN 4).

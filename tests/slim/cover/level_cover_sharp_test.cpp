@@ -72,6 +72,46 @@ TEST(LevelCover, ACubeWithSharpEdgesIsExactInFewerLeaves) {
     }
 }
 
+/// RMS distance of the centres of leaves from the unit cube.
+double rms_to_cube(const std::vector<FittedSurfel>& leaves) {
+    double sum = 0;
+    for (const FittedSurfel& f : leaves) {
+        const Vec3d p = f.surfel.center - Vec3d{0.5, 0.5, 0.5};
+        const double d = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) - 0.5;
+        sum += d * d;
+    }
+    return std::sqrt(sum / static_cast<double>(leaves.size()));
+}
+
+TEST(LevelCover, TheFacesOfACubeInNoiseAreAgreedUpon) {
+    PointBlock block = cube_points(40);
+    const double noise = 0.2 / 40;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        Vec3d n = to_double(block.normal[i]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            block.position[i][k] += noise * gaussian(1, 3 * i + k);
+            n[k] += 0.15 * gaussian(2, 3 * i + k);
+        }
+        block.normal[i] = to_float(normalized(n));
+    }
+    block = along_curve(std::move(block));
+    CoverRules rules = rules_for(block, 0.01);
+    rules.spacing = 1.0 / 40;
+    rules.typical_variance = rules.noise_variance / 2;
+    EXPECT_FALSE(cover(block, rules).are_on_faces) << "edges are not asked for";
+    rules.sharp = true;
+    const Cover agreed = cover(block, rules);
+    EXPECT_TRUE(agreed.are_on_faces);
+    rules.are_estimated = true;
+    const Cover raw = cover(block, rules);
+    EXPECT_FALSE(raw.are_on_faces);
+    EXPECT_LT(rms_to_cube(leaves_of(agreed)), 0.6 * rms_to_cube(leaves_of(raw)));
+    EXPECT_LE(worst_on_edges(leaves_of(agreed)), worst_on_edges(leaves_of(raw)));
+    rules.are_estimated = false;
+    rules.typical_variance = rules.noise_variance / 100;
+    EXPECT_FALSE(cover(block, rules).are_on_faces) << "edges alone make lambda";
+}
+
 /// An octahedron on a grid; points on edges and corners have the mean normal of their faces.
 PointBlock octahedron_points(int n) {
     std::vector<Vec3d> positions;
