@@ -54,7 +54,7 @@ CoverRules rules_on_faces(CoverRules rules) {
     return rules;
 }
 
-/// Normals made from neighbours turn smoothly over an edge: nothing parts its faces (notes/0023 of
+/// Normals made from neighbours turn smoothly over an edge: nothing parts its faces (notes/0024 of
 /// slim/fit).
 bool is_part_in_noise(const CoverRules& rules) {
     return rules.sharp && !rules.windows && !rules.are_estimated &&

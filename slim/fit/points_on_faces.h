@@ -11,7 +11,7 @@ struct PartNoise {
     double spacing = 0;           ///< square root of the area that a point usually has
 
     /// Noise that shows at the points' distance and makes a good share of lambda. That of exact
-    /// parts is their edges', and a typical place has a hundredth of it or less (notes/0023).
+    /// parts is their edges', and a typical place has a hundredth of it or less (notes/0024).
     bool is_everywhere() const;
     /// Of the neighbours that points_on_faces() asks; length.
     double reach() const;
