@@ -75,7 +75,7 @@ TEST(ViewShares, WhatCannotBeDividedIsRefusedWithItsLine) {
     const auto says = [&](const std::string& keys, const char* message) {
         const std::string text = refusal(start + keys);
         EXPECT_NE(text.find(message), std::string::npos) << text;
-        EXPECT_NE(text.find("job.toml:3: "), std::string::npos) << text;
+        EXPECT_NE(text.find("job.toml:4: "), std::string::npos) << text;
     };
     says("turntable = 3", "at most 3 shares");
     says("crop = '0,0,10,10'", "leave out crop");

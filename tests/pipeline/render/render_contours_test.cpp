@@ -1,5 +1,6 @@
 #include "tests/pipeline/render/render_outputs_support.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,12 +37,16 @@ protected:
             out.insert(out.end(), pixel(whole, x, row), pixel(whole, x, row) + 4 * width);
         return out;
     }
+    /// Of the drawing of a picture so many pixels wide.
+    static double mm_per_pixel(const std::string& svg, int width) {
+        return std::stod(svg.substr(svg.find("width=\"") + 7)) / width;
+    }
     /// Places of the heights of a drawing, in pixels.
-    static std::vector<std::array<double, 2>> places_of(const std::string& svg) {
+    static std::vector<std::array<double, 2>> places_of(const std::string& svg, double mm) {
         std::vector<std::array<double, 2>> places;
         for (std::size_t at = 0; (at = svg.find("translate(", at)) != std::string::npos; ++at)
-            places.push_back({std::stod(svg.substr(at + 10)) * 96 / 25.4,
-                              std::stod(svg.substr(svg.find(',', at) + 1)) * 96 / 25.4});
+            places.push_back({std::stod(svg.substr(at + 10)) / mm,
+                              std::stod(svg.substr(svg.find(',', at) + 1)) / mm});
         return places;
     }
 };
@@ -56,7 +61,8 @@ TEST_F(RenderContours, HeightsStandOnIndexContoursInThePictureAndTheDrawing) {
     c.unit = "ft";
     const std::string in_feet = drawing(c);
     const PngImage feet = read_png(c.output);
-    const auto places = places_of(svg), others = places_of(in_feet);
+    const auto places = places_of(svg, mm_per_pixel(svg, 600)),
+               others = places_of(in_feet, mm_per_pixel(in_feet, 600));
     std::vector<int> changed(places.size(), 0);
     for (int y = 0; y < 600; ++y)
         for (int x = 0; x < 600; ++x) {
@@ -72,7 +78,9 @@ TEST_F(RenderContours, HeightsStandOnIndexContoursInThePictureAndTheDrawing) {
         }
     for (const int n : changed) EXPECT_GT(n, 10);
     // On the circle of that height: sqrt(1 - 0.5^2) of the ball's radius, 0.96 of half the picture.
-    const auto at = places_of(svg.substr(svg.rfind("translate(", svg.find(">0.5 m<")))).front();
+    const auto at = places_of(svg.substr(svg.rfind("translate(", svg.find(">0.5 m<"))),
+                              mm_per_pixel(svg, 600))
+                        .front();
     EXPECT_NEAR(std::hypot(at[0] - 300, at[1] - 300), 0.8660 * 0.96 * 300, 6);
 }
 
@@ -208,12 +216,14 @@ TEST_F(RenderContours, PartsShowTheHeightsOfTheWhole) {
         const std::size_t at = svg.find("translate(");
         ASSERT_NE(at, std::string::npos);
         // A part whose edge cuts through a height.
-        const int x = static_cast<int>(std::stod(svg.substr(at + 10)) * 96 / 25.4);
+        const double mm = mm_per_pixel(svg, 1100);
+        const int x = static_cast<int>(std::stod(svg.substr(at + 10)) / mm);
         c.output = file("part.png"), c.crop = std::to_string(x) + ",300,400,700";
         run(c);
         EXPECT_EQ(read_png(c.output).rgba, part_of(whole, x, 300, 400, 700)) << supersample;
         const std::string of_part = bytes("part.contours.svg");
-        EXPECT_NE(of_part.find("height=\"185.208mm\""), std::string::npos);
+        EXPECT_NEAR(mm_per_pixel(of_part, 400), mm, 1e-5);
+        EXPECT_NE(of_part.find(fmt::format("height=\"{:.3f}mm\"", 700 * mm)), std::string::npos);
         EXPECT_EQ(of_part.substr(of_part.find("<g id=\"contour-heights\"")),
                   svg.substr(svg.find("<g id=\"contour-heights\"")));
     }
