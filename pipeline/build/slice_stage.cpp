@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kLeastMemory = 64 << 20;
+
 // Radii, curvatures and their squares are floats in models and pictures.
 constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
 // Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of
@@ -198,14 +198,6 @@ Vec3d choose_origin(const Bbox& bounds) {
     const Vec3d center = bounds.center();
     return {std::round(center.x / step) * step, std::round(center.y / step) * step,
             std::round(center.z / step) * step};
-}
-
-void check_slice_memory(const std::string& memory) {
-    if (parse_memory_size(memory) < kLeastMemory)
-        throw ConfigError({.key = "memory",
-                           .expected = "at least " + memory_size_text(kLeastMemory) +
-                                       ", which the coarse levels take",
-                           .found = "'" + memory + "'"});
 }
 
 nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {

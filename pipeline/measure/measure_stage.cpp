@@ -132,11 +132,7 @@ json recorded(const MeasureConfig& config, const std::string& truth, StageContex
 }
 
 json measure_points(const MeasureConfig& config, StageContext& context) {
-    if (!config.two_way && config.samples != MeasureConfig{}.samples)
-        throw ConfigError(
-            {.key = "samples",
-             .problem = " are those of the model's surface, which is not measured",
-             .expected = "--two-way with it"});
+    check_measure_options(config);
     check_order(config);
     CloudFiles files{config.cloud, config.truth, config.per_point};
     if (files.truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
@@ -197,10 +193,7 @@ void check_outputs(const MeasureConfig& config, Kind kind) {
                                     : is_picture(config.output) ? ", a picture only of two pictures"
                                                                 : ""),
              .expected = fmt::format("a name ending in .json{}", pictures ? " or .png" : "")});
-    if (!config.per_point.empty() && lower_extension(config.per_point) != ".ply")
-        throw ConfigError({.file = config.per_point,
-                           .problem = "the figures of points are a PLY",
-                           .expected = "a name ending in .ply"});
+    check_per_point(config);
 }
 
 json measure_meshes(const MeasureConfig& config, StageContext& context) {

@@ -51,6 +51,13 @@ struct MeasureConfig {
     }
 };
 
+/// The name that --per-point gives, which must end in .ply (ConfigError).
+void check_per_point(const MeasureConfig& config);
+
+/// All that can be told of the options of a cloud against a model before either is opened: readers
+/// of jobs ask, too. ConfigError.
+void check_measure_options(const MeasureConfig& config);
+
 /// Projects every finite point of the cloud along its normal (NUMERICS 5.5; the model's own normal
 /// where it has none). Keys: points missed l2 max max_at (the point of the cloud that is farthest,
 /// world) p50 p90 p95 p99 normal_rms_deg normal_p99_deg leaves bytes; with truth also k1_rms k2_rms

@@ -6,7 +6,7 @@
 #include "pipeline/render/render_look.h"
 #include "pipeline/render/render_maps.h"
 #include "pipeline/render/render_shadings.h"
-#include "slim/base/error.h"
+#include "pipeline/render/truth_shape.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
 #include "slim/shapes/foot_point.h"
@@ -116,15 +116,6 @@ Picture paint_openness(const RenderedFrame& frame, const RowRange& rows) {
 PictureSize part_size(const RenderedFrame& frame, const PictureSize& size) {
     const int factor = frame.size.width / size.width;
     return {frame.buffer.width / factor, frame.buffer.height / factor};
-}
-
-Vec3d shape_offset(const RenderConfig& config) {
-    if (config.offset.empty()) return {};
-    if (config.offset.size() != 3)
-        throw ConfigError({.key = "offset",
-                           .expected = "three numbers x,y,z",
-                           .found = std::to_string(config.offset.size())});
-    return {config.offset[0], config.offset[1], config.offset[2]};
 }
 
 }  // namespace

@@ -2,12 +2,9 @@
 
 #include "formats/atomic_file.h"
 #include "pipeline/input_kind.h"
-#include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_cameras.h"
+#include "pipeline/render/render_check.h"
 #include "pipeline/render/render_lines.h"
-#include "pipeline/render/render_maps.h"
-#include "pipeline/render/render_shadings.h"
-#include "pipeline/shape_name.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -32,17 +29,9 @@ void check_folder(const fs::path& folder, const std::string& output) {
 }
 
 int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    check_view_name(config.name);
-    check_ranges(config);
+    check_options(config);
     check_lines(config);
-    check_shadings(config);
-    check_tracing(config, aovs);
-    parse_background(config.background, false);
-    if (!config.truth_shape.empty()) shape_named(config.truth_shape, "truth_shape");
     const int frames = n_frames(config);
-    if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
-        throw ConfigError(
-            "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
     const OutputPlan pictures = plan_outputs(config, aovs);
     for (int k = 0; k <= (frames > 1 ? frames : 0); ++k)
         check_outputs(config, k > 0 ? pictures.numbered(k) : pictures);

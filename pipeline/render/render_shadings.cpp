@@ -2,18 +2,14 @@
 
 #include "formats/image_io.h"
 #include "pipeline/contains.h"
+#include "pipeline/render/relief_options.h"
 #include "pipeline/render/render_aov.h"
 #include "pipeline/render/render_colors.h"
 #include "pipeline/render/render_contours.h"
 #include "raytrace/stripes.h"
-#include "slim/base/error.h"
-#include "slim/base/nearest_name.h"
 #include "slim/base/parallel.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace slim {
@@ -21,22 +17,6 @@ namespace {
 
 constexpr Vec3f kClay{0.690f, 0.632f, 0.572f};
 constexpr float kGloss = 0.09f;
-
-/// The spacing asked for: 0 for none, empty for auto.
-std::optional<double> fixed_spacing(const RenderConfig& config) {
-    if (config.contours == "auto") return std::nullopt;
-    if (config.contours == "none") return 0.0;
-    double value = 0;
-    const char* const end = config.contours.data() + config.contours.size();
-    const auto [rest, error] = std::from_chars(config.contours.data(), end, value);
-    if (error == std::errc() && rest == end && value > 0 && std::isnormal(value)) return value;
-    // Smaller ones are denormal: heights over them are infinite.
-    throw ConfigError(
-        {.key = "contours",
-         .expected = "auto, none or a spacing above 0 in model units (2.3e-308 at least)",
-         .found = "'" + config.contours + "'",
-         .hint = did_you_mean(config.contours, {"auto", "none"})});
-}
 
 std::array<Vec3f, 3> float_axes(const std::array<Vec3d, 3>& axes) {
     return {to_float(axes[0]), to_float(axes[1]), to_float(axes[2])};
@@ -89,16 +69,6 @@ bool is_shading(const std::string& aov) {
 }
 
 bool is_color(const std::string& aov) { return aov == "shaded" || is_shading(aov); }
-
-void check_shadings(const RenderConfig& config) {
-    fixed_spacing(config);
-    if (config.sun.size() != 2 || !(config.sun[1] >= 0 && config.sun[1] <= 90) ||
-        !std::isfinite(config.sun[0]))
-        throw ConfigError(
-            {.key = "sun",
-             .expected = "two angles in degrees, azimuth,altitude with an altitude from 0 to 90",
-             .found = fmt::format("{}", fmt::join(config.sun, ","))});
-}
 
 ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::string>& aovs,
                             const ModelHeader& model) {

@@ -37,9 +37,6 @@ struct ShadingInputs {
 ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::string>& aovs,
                             const ModelHeader& model);
 
-/// Of load_shadings what needs no model: before anything is opened.
-void check_shadings(const RenderConfig& config);
-
 /// Some rows of a frame as that AOV shows them, over transparent. A relief leaves gaps for heights
 /// that will be written (pixels of a picture whose pixels are `factor` of the frame's wide).
 Picture paint_shading(const std::string& aov, const ShadingInputs& inputs,

@@ -102,13 +102,6 @@ void require_surfels(const RenderConfig& config, const SurfelTree& tree) {
         throw DataError(config.model + ": a model without surfels cannot be drawn");
 }
 
-void require_scale(const RenderJob& job) {
-    if (job.config.scale_bar && !job.camera.orthographic)
-        throw ConfigError(
-            {.key = "scale_bar",
-             .problem = "a perspective picture has no one scale: draw it with --ortho"});
-}
-
 /// Curvature comes from the surfels' second derivatives, which planes do not have.
 void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
     if (job.tree.header().degree > 1) return;
@@ -165,7 +158,6 @@ void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
 
 /// What can be told before anything is drawn.
 void check_job(const RenderJob& job, Reporter& reporter) {
-    require_scale(job);
     warn_of_flat_surfels(job, reporter);
     warn_of_lights_below(job, reporter);
     warn_of_letters(job.config, reporter);
