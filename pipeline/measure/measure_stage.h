@@ -17,6 +17,7 @@ struct MeasureConfig {
     double tolerance = 0.001;
     std::uint64_t samples = 200'000;
     double threshold = 1.0 / 255;
+    std::vector<double> offset;
 
     template <class Visitor>
     void visit(Visitor&& field) {
@@ -48,6 +49,9 @@ struct MeasureConfig {
               1e9);
         field("threshold", threshold, "of pictures: a pixel differs if a channel differs by more",
               0, 1e30);
+        field("offset", offset,
+              "of shape:NAME: where the shape's origin lies in the world, x,y,z (as slim scan "
+              "--offset moved it)");
     }
 };
 
