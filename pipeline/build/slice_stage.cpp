@@ -131,8 +131,12 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
                                       in.path, in.n_dropped, in.n_points - in.n_face_points));
         if (in.n_bad_normals > 0)
-            reporter.warn(fmt::format("{}: {} normals are not finite and count as missing", in.path,
-                                      in.n_bad_normals));
+            reporter.warn(fmt::format("{}: {} normals are 0,0,0 or not finite and count as missing",
+                                      in.path, in.n_bad_normals));
+        if (in.n_undeclared > 0)
+            reporter.warn(fmt::format(
+                "{}: {} points more than its count says: was it cut or put together? All are read",
+                in.path, in.n_undeclared));
     }
     if (plan.n_points < 2 || plan.coordinate_quantum <= kCoarseQuantum * plan.diagonal) return;
     const std::string remedy = "store them as doubles, or relative to a nearby origin";
