@@ -192,8 +192,7 @@ TEST_F(RenderLines, FilesInSpaceAreWrittenWhereNamed) {
         return "none";
     };
     c.turntable = 3;
-    EXPECT_EQ(refusal(),
-              "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
+    EXPECT_EQ(refusal(), "lines_ply is for one picture, not for a turntable or path");
     c.lines.clear(), c.turntable = 0;
     const std::string rest =
         " is for a drawing of lines, which is not asked for: --lines or --aov lines";
