@@ -1,5 +1,6 @@
 #include "pipeline/render/render_check.h"
 
+#include "pipeline/option_names.h"
 #include "pipeline/render/ray_options.h"
 #include "pipeline/render/relief_options.h"
 #include "pipeline/render/render_asked.h"
@@ -29,7 +30,8 @@ void check_scale_bar(const RenderConfig& config) {
     if (config.scale_bar && !config.ortho && config.ortho_width <= 0)
         throw ConfigError(
             {.key = "scale_bar",
-             .problem = "a perspective picture has no one scale: draw it with --ortho"});
+             .problem = "a perspective picture has no one scale: draw it with " +
+                        quoted_key("ortho")});
 }
 
 /// Lines in space are those of one picture.

@@ -144,7 +144,7 @@ def runs_that_cannot_be():
     job.write_text("[input]\nfiles = ['t.ply']\n[[view]]\naovs = ['color']\n[output]\ndir = 'third'\n")
     refused(2, ["color = true"], "slim", "run", "third.toml")
     job.write_text("[input]\nfiles = ['t.ply']\n[[view]]\nname = '../out'\n")
-    refused(2, ["third.toml:3", "'/'"], "slim", "run", "third.toml")
+    refused(2, ["third.toml:4", "'/'"], "slim", "run", "third.toml")
     (harness.folder / "bad.ply").write_text("ply\nformat ascii 1.0\nelement vertex 1\n")
     failed = run("slim", "run", "plate", "bad.ply")
     check(failed.code == 3 and failed.err.count("error:") == 1, f"an error is said twice: {failed.err}")
@@ -261,7 +261,7 @@ def options_by_their_names():
                           (["--path", "front;back"], "--path: say how many pictures with --frames"),
                           (["--frames", "3"], "--frames is for a --path, which"),
                           (["--frame", "3"], "--frame is for a --turntable or a --path, which"),
-                          (["--lines", "contour", "--turntable", "3", "--lines-obj", "x.obj"], "--lines-obj are for one"),
+                          (["--lines", "contour", "--turntable", "3", "--lines-obj", "x.obj"], "--lines-obj is for one"),
                           (["--aov", "truth_distance"], "--truth-shape")):
         refused(2, [told], "slim", "render", "t.slim", "-o", "x.png", "--size", "60x50", *options)
     check("--add a.slim,b.slim" in run("slim", "render", "--help").out, "--help does not tell how to add several models")
