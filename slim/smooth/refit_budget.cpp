@@ -9,7 +9,7 @@ constexpr std::uint64_t kProgram = std::uint64_t{22} << 20;  ///< with what read
 constexpr std::uint64_t kLeaf = 600;          ///< the model's index and mapped file
 constexpr std::uint64_t kPoint = 130;         ///< sorted, with its place in the pyramid
 constexpr std::uint64_t kLeafOfRadii = 1500;  ///< wide_radii
-constexpr std::uint64_t kFit = 1400;          ///< RefittedSurface while it is built
+constexpr std::uint64_t kFit = 1600;          ///< RefittedSurface while it is built
 /// Where a point is and goes, twice, and its place in the order; as much again for what was freed
 /// and not given back.
 constexpr std::uint64_t kInBatches = 480;
