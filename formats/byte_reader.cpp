@@ -38,16 +38,20 @@ struct ByteReader::Inflater {
 ByteReader::ByteReader(const std::string& path) : path_(path) {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0)
-        throw IoError(message(
-            path, ": cannot be opened: ", std::strerror(errno),
-            path == "-" ? " (standard input is not read: clouds are read more than once)" : ""));
-    if (!S_ISREG(status.st_mode))
         throw IoError(
-            message(path, S_ISDIR(status.st_mode)
-                              ? ": is a folder; expected a cloud's file in it"
-                              : ": is not a regular file; clouds are read more than once"));
+            {.file = path,
+             .problem = message("cannot be opened: ", std::strerror(errno)),
+             .hint = path == "-" ? "standard input is not read: clouds are read more than once"
+                                 : ""});
+    if (!S_ISREG(status.st_mode))
+        throw IoError({.file = path,
+                       .problem = S_ISDIR(status.st_mode)
+                                      ? "is a folder; expected a cloud's file in it"
+                                      : "is not a regular file; clouds are read more than once"});
     file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (file_ < 0) throw IoError(message(path, ": cannot be opened: ", std::strerror(errno)));
+    if (file_ < 0)
+        throw IoError(
+            {.file = path, .problem = message("cannot be opened: ", std::strerror(errno))});
     file_size_ = static_cast<std::uint64_t>(status.st_size);
     try {
         buffer_.resize(kBufferSize);

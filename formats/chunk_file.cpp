@@ -73,8 +73,10 @@ void ChunkFile::State::open() {
     file.fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     struct stat status {};
     if (file.fd < 0 || ::fstat(file.fd, &status) != 0)
-        throw IoError(message(path, ": cannot be opened: ", std::strerror(errno)));
-    if (!S_ISREG(status.st_mode)) throw IoError(message(path, ": is not a regular file"));
+        throw IoError(
+            {.file = path, .problem = message("cannot be opened: ", std::strerror(errno))});
+    if (!S_ISREG(status.st_mode))
+        throw IoError({.file = path, .problem = "is not a regular file"});
     size = static_cast<std::uint64_t>(status.st_size);
     if (size == 0) fail(0, message("the file is empty; expected a ", what));
     if (by_pages) ::posix_fadvise(file.fd, 0, 0, POSIX_FADV_RANDOM);

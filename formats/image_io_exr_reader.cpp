@@ -84,7 +84,7 @@ struct ExrReader::State {
 ExrReader::ExrReader(const std::string& path) : state_(std::make_unique<State>()) {
     State& s = *state_;
     s.path = path;
-    if (!std::filesystem::exists(path)) throw IoError(path + ": no such file");
+    if (!std::filesystem::exists(path)) throw IoError({.file = path, .problem = "no such file"});
     s.guarded([&] {
         s.file = std::make_unique<Imf::InputFile>(path.c_str());
         s.window = s.file->header().dataWindow();

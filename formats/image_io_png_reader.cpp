@@ -34,9 +34,10 @@ struct PngReader::State {
     std::vector<std::uint8_t> whole;  ///< of an interlaced file, whose rows come in seven passes
 
     explicit State(const std::string& its_path) : path(its_path) {
-        if (!std::filesystem::exists(path)) throw IoError(path + ": no such file");
+        if (!std::filesystem::exists(path))
+            throw IoError({.file = path, .problem = "no such file"});
         file.reset(std::fopen(path.c_str(), "rb"));
-        if (!file) throw IoError(path + ": cannot be opened");
+        if (!file) throw IoError({.file = path, .problem = "cannot be opened"});
         std::array<png_byte, 8> begin{};
         const std::size_t n = std::fread(begin.data(), 1, begin.size(), file.get());
         if (n < begin.size() || png_sig_cmp(begin.data(), 0, begin.size()) != 0)

@@ -20,6 +20,7 @@ struct CloudInfo {
     /// "PLY ascii", "PLY binary little endian", "XYZ text", ... (+ " gzip")
     std::string format;
     std::optional<std::uint64_t> n_points;  ///< as declared; nothing if the file does not say
+    std::uint64_t n_undeclared = 0;  ///< read so far beyond what the counts of a PTS declare
     bool has_normals = false;               ///< read or made from faces
     bool has_scan = false;
     bool reads_color = false;  ///< opened by open_colored_cloud

@@ -166,17 +166,21 @@ std::string usual_name(const std::string& name, const FieldList& fields) {
 void refuse_extras(const std::vector<std::string>& extras, const FieldList& fields,
                    const std::vector<Given>& given) {
     for (const std::string& word : extras) {
+        if (word == "--") break;  // what follows are words
         if (word.size() < 2 || word[0] != '-') continue;
         const std::string name = word.substr(0, word.find('='));
         const std::string usual = usual_name(name, fields);
-        throw ConfigError({.problem = "unknown option " + name,
+        throw ConfigError({.option = name,
+                           .problem = "unknown option",
                            .hint = usual.empty() ? did_you_mean(name, all_options(fields))
                                                  : usual});
     }
-    if (extras.empty()) return;
+    const auto word = std::find_if(extras.begin(), extras.end(),
+                                   [](const std::string& extra) { return extra != "--"; });
+    if (word == extras.end()) return;
     throw ConfigError(
-        fmt::format("unexpected argument '{0}'{1}", extras[0],
-                    misses_output(fields, given) ? "; to write it: -o " + extras[0] : ""));
+        fmt::format("unexpected argument '{0}'{1}", *word,
+                    misses_output(fields, given) ? "; to write it: -o " + *word : ""));
 }
 
 /// Outputs are files or folders that appear whole, which a pipe cannot.

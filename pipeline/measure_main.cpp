@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
          {"slim measure scan.slim scan.ply --two-way --per-point distances.ply",
           "slim measure torus.slim torus.ply --truth torus.truth --json",
           "slim measure shape:torus smoothed.ply",
+          "slim measure shape:torus far.ply --offset 500000,4e6,100",
           "slim measure before.png after.png -o difference.png",
           "slim measure original.ply smoothed.ply --per-point moved.ply",
           "slim measure scan.ply other_scan.ply --two-way"},

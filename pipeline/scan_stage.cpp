@@ -28,41 +28,11 @@ ScanSettings settings_of(const ScanConfig& config) {
     return settings;
 }
 
-Vec3d offset_of(const ScanConfig& config) {
-    if (config.offset.empty()) return {};
-    if (config.offset.size() != 3)
-        throw ConfigError({.key = "offset",
-                           .expected = "three numbers x,y,z",
-                           .found = std::to_string(config.offset.size())});
-    const Vec3d offset{config.offset[0], config.offset[1], config.offset[2]};
-    // Beyond it doubles are half a unit apart, and the shapes two units large.
-    constexpr double kMost = 1e15;
-    for (const double v : config.offset)
-        if (!(std::abs(v) <= kMost))
-            throw ConfigError({.key = "offset",
-                               .expected = fmt::format("three numbers in [{}, {}]", -kMost, kMost),
-                               .found = fmt::format("{}", v)});
-    return offset;
-}
-
 void check_output(const std::string& output) {
     if (lower_extension(output) != ".ply")
         throw ConfigError({.file = output,
                            .problem = "the scanner writes PLY",
                            .expected = "a name ending in .ply"});
-}
-
-/// Options that were given and play no part. (A noise model without noise does: series over the
-/// noise begin at 0.)
-void refuse_without_effect(const ScanConfig& config) {
-    const ScanConfig usual;
-    const bool uniform = config.pattern == "uniform";
-    if (uniform && config.stations != usual.stations)
-        throw ConfigError({.key = "stations",
-                           .problem = "are of --pattern scan; uniform points have none"});
-    if (uniform && config.dropout != usual.dropout)
-        throw ConfigError({.key = "dropout",
-                           .problem = "is of --pattern scan; none of uniform points is lost"});
 }
 
 /// Known before the scan: the header comes first.
@@ -135,8 +105,8 @@ std::string scans_path(const std::string& cloud_path) {
 
 nlohmann::json run_scan(const ScanConfig& config, StageContext& context) {
     check_output(config.output);
-    refuse_without_effect(config);
-    const Vec3d offset = offset_of(config);
+    check_scan_options(config);
+    const Vec3d offset = scan_offset(config);
     const Shape& shape = find_shape(config.shape);
     Stamp stamp(context, manifest_path(config.output));
     stamp.outputs({config.output, truth_path(config.output), scans_path(config.output)});

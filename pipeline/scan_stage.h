@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pipeline/stage.h"
+#include "slim/base/vec.h"
 
 #include <nlohmann/json.hpp>
 
@@ -51,6 +52,13 @@ struct ScanConfig {
         field("ascii", ascii, "write the PLY as text");
     }
 };
+
+/// --offset. ConfigError unless it is three finite numbers of sense.
+Vec3d scan_offset(const ScanConfig& config);
+
+/// All that can be told of the options before a scan but the output's name: readers of jobs ask,
+/// too. ConfigError with the key.
+void check_scan_options(const ScanConfig& config);
 
 /// `cloud.ply` -> `cloud.scans.json`: the sensor of each scan id.
 std::string scans_path(const std::string& cloud_path);

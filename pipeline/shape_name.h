@@ -23,4 +23,18 @@ inline const Shape& shape_named(const std::string& name, const std::string& key)
     return find_shape(name);
 }
 
+/// Where an option `offset` says that a shape's origin lies in the world. ConfigError unless it is
+/// three numbers, or none.
+inline Vec3d shape_offset(const std::vector<double>& offset) {
+    if (offset.empty()) return {};
+    if (offset.size() != 3)
+        throw ConfigError({.key = "offset",
+                           .expected = "three numbers x,y,z",
+                           .found = std::to_string(offset.size())});
+    return {offset[0], offset[1], offset[2]};
+}
+
+/// Of a shape's diagonal: what lies so far from its bounds is of another frame.
+inline constexpr double kFarOffShape = 10;
+
 }  // namespace slim

@@ -7,10 +7,13 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <ctime>
+#include <limits>
 #include <string_view>
 #include <thread>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace slim {
@@ -54,18 +57,63 @@ sigset_t hurry_signals() {
     return set;
 }
 
+/// The hard limit of processor time, at which the system kills without a word; infinite without.
+double hard_limit_s() {
+    rlimit limit{};
+    const bool is_none = getrlimit(RLIMIT_CPU, &limit) != 0 || limit.rlim_max == RLIM_INFINITY;
+    return is_none ? std::numeric_limits<double>::infinity() : static_cast<double>(limit.rlim_max);
+}
+
+/// How long before a hard limit of processor time its end begins, in seconds of it: a second, of
+/// many processors, which may all be at work, a tenth of a second of each, but half of it at most.
+double time_to_end_s(double hard_s) {
+    constexpr double kOfEach = 0.1;
+    const auto processors = static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN));
+    return std::min(std::max(1.0, kOfEach * processors), hard_s / 2);
+}
+
+/// `ulimit -t 10` sets the soft limit, at which SIGXCPU comes, and the hard one alike, and the
+/// system kills at the latter: then the signal is to come a little earlier.
+void signal_before_hard_limit() {
+    rlimit limit{};
+    const double hard_s = hard_limit_s();
+    if (std::isinf(hard_s) || is_ignored(SIGXCPU) || getrlimit(RLIMIT_CPU, &limit) != 0) return;
+    const double at_s = hard_s - time_to_end_s(hard_s);
+    if (static_cast<double>(limit.rlim_cur) <= at_s) return;
+    sigevent event{};
+    event.sigev_notify = SIGEV_SIGNAL, event.sigev_signo = SIGXCPU;
+    timer_t timer{};
+    if (timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &timer) != 0) return;
+    itimerspec when{};
+    when.it_value.tv_sec = static_cast<time_t>(at_s);
+    when.it_value.tv_nsec = static_cast<long>((at_s - std::floor(at_s)) * 1e9);
+    timer_settime(timer, TIMER_ABSTIME, &when, nullptr);
+}
+
+/// Whether so little is left of the hard limit that what is half-written must go now.
+bool is_hard_limit_near() {
+    timespec now{};
+    if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now) != 0) return false;
+    const double hard_s = hard_limit_s(),
+                 used_s = static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+    return hard_s - used_s < time_to_end_s(hard_s) / 2;
+}
+
 /// Whether one of the set came within so many seconds, in which the process may be stopped
-/// (SIGSTOP) and go on.
+/// (SIGSTOP) and go on. Ends early near a hard limit of processor time.
 bool comes_within(int seconds, const sigset_t& set) {
     using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::nanoseconds kLook = std::chrono::milliseconds(20);
     const Clock::time_point end = Clock::now() + std::chrono::seconds(seconds);
-    for (;;) {
-        const auto left = std::max(std::chrono::nanoseconds(0),
-                                   std::chrono::nanoseconds(end - Clock::now()));
-        const timespec time{left.count() / 1'000'000'000, left.count() % 1'000'000'000};
+    while (!is_hard_limit_near()) {
+        const auto left = std::clamp(std::chrono::nanoseconds(end - Clock::now()),
+                                     std::chrono::nanoseconds(0), kLook);
+        const timespec time{0, left.count()};
         if (sigtimedwait(&set, nullptr, &time) > 0) return true;
-        if (errno != EINTR) return false;
+        if (errno != EINTR && errno != EAGAIN) return false;
+        if (Clock::now() >= end) return false;
     }
+    return false;
 }
 
 void wait_for_signals() {
@@ -101,6 +149,7 @@ void watch_signals() {
     std::signal(SIGXFSZ, SIG_IGN);  // the write then fails, which AtomicFile reports as a full disk
     try {
         std::thread(wait_for_signals).detach();
+        signal_before_hard_limit();
     } catch (...) {  // nobody waits for them: they are to end the process as they would
         pthread_sigmask(SIG_SETMASK, &before, nullptr);
         throw;

@@ -22,7 +22,9 @@ struct Interrupted : Error {
 /// ignored (SIGHUP by nohup, SIGINT by `trap '' INT`), and waits for them in a thread of its own;
 /// ignores SIGPIPE and SIGXFSZ (writes fail instead). Call first in main. On a signal: passes it to
 /// the child of watch_child, lets check_stop throw, and if the stage has not ended after the grace
-/// time (or a second signal comes) removes half-written files and leaves the process.
+/// time (or a second signal comes) removes half-written files and leaves the process. Where the
+/// limit of processor time is hard (`ulimit -t`), SIGXCPU comes a second of it earlier (of many
+/// processors more, but half of the limit at most), for at that limit the system kills.
 /// throws std::system_error where there is no room for the thread; then nothing is blocked
 void watch_signals();
 

@@ -314,6 +314,10 @@ void set_value(TomlTable& root, const std::string& key_equals_value) {
     try {
         parsed = read_table("", toml::parse(key + " = " + text), said);
     } catch (const toml::parse_error&) {
+        if (trimmed(text).starts_with('['))
+            throw ConfigError({.problem = said + ": not an array",
+                               .expected = "[\"a\", \"b\"], or a,b without brackets (text that "
+                                           "begins with a bracket: in quotes)"});
         parsed.values = {{key, Field::Kind::text, false, {text}, 0}};
     }
     std::erase_if(table->values, [&](const TomlValue& v) { return v.key == key; });

@@ -41,7 +41,8 @@ TomlTable read_toml(const std::filesystem::path& file);
 
 /// Sets "table.key" (or "table.table.key") of a file that was read to a value as TOML would write
 /// it, text without quotes allowed (render.size=640x480); tables that are missing are made.
-/// ConfigError if there is no such form or the table is a [[list]].
+/// ConfigError if there is no such form, the table is a [[list]], or the value begins as an array
+/// and is none.
 void set_value(TomlTable& root, const std::string& key_equals_value);
 
 /// A value's items for a field. A list may be written as a command line has it, "a,b" for

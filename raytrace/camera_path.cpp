@@ -115,9 +115,14 @@ Camera camera_on_path(std::span<const Camera> keys, double t) {
     const auto pose = [&](double offset) -> const Pose& {
         return poses[static_cast<std::size_t>(std::clamp(begin + offset, 0.0, last))];
     };
+    if (pose(0) == pose(1)) return camera_of(pose(0), keys[0]);
+    // A keyframe that is given twice is held: the camera comes to rest there.
+    const bool leaves_rest = begin > 0 && pose(-1) == pose(0),
+               comes_to_rest = begin + 2 <= last && pose(1) == pose(2);
     Pose p;
     for (std::size_t k = 0; k < p.size(); ++k) {
-        const double a = pose(-1)[k], b = pose(0)[k], c = pose(1)[k], d = pose(2)[k];
+        const double b = pose(0)[k], c = pose(1)[k], a = leaves_rest ? c : pose(-1)[k],
+                     d = comes_to_rest ? b : pose(2)[k];
         p[k] = b + 0.5 * u * (c - a + u * (2 * a - 5 * b + 4 * c - d + u * (3 * (b - c) + d - a)));
     }
     return camera_of(p, keys[0]);

@@ -72,8 +72,10 @@ const ColorMap& cividis() {
 
 double nice_ceiling(double v) {
     if (!(v > 0) || !std::isfinite(v)) return 0;
-    const double power = std::pow(10.0, std::floor(std::log10(v)));
-    return smallest_nice_step(v / power) * power;
+    const double digits = std::floor(std::log10(v)), power = std::pow(10.0, digits);
+    const double step = smallest_nice_step(v / power);
+    // A quotient is the nearest number, 0.15, where a product is 0.15000000000000002.
+    return digits < 0 && digits >= -22 ? step / std::pow(10.0, -digits) : step * power;
 }
 
 float place_on_map(const ValueRange& r, double value) {

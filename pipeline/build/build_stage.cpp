@@ -1,6 +1,7 @@
 #include "pipeline/build/build_stage.h"
 
 #include "formats/atomic_file.h"
+#include "pipeline/build/build_checks.h"
 #include "pipeline/build/build_color.h"
 #include "pipeline/build/build_summary.h"
 #include "pipeline/build/edges_said.h"
@@ -43,25 +44,6 @@ SliceConfig slice_config(const BuildConfig& c, const std::string& work) {
     s.strict = c.strict;
     s.face_points = c.face_points;
     return s;
-}
-
-NormalsConfig normals_config(const BuildConfig& c, const std::string& work) {
-    NormalsConfig n;
-    n.work = work;
-    n.slice = kAllSlices;
-    n.normals = c.normals;
-    n.sensors = c.sensors;
-    return n;
-}
-
-FitConfig fit_config(const BuildConfig& c, const std::string& work) {
-    FitConfig f;
-    f.work = work;
-    f.slice = kAllSlices;
-    static_cast<FitOptions&>(f) = c;
-    f.memory = c.memory;
-    f.seed = c.seed;
-    return f;
 }
 
 /// What the stages of a build know of each other.
@@ -150,7 +132,6 @@ void check_output(const BuildConfig& config) {
     for (const std::string& input : config.inputs) refuse_to_overwrite(config.output, {input});
     refuse_to_replace_other(config.output);
     refuse_other_ending(config.output);
-    check_slice_memory(config.memory);
 }
 
 /// The work folder of a build that was not given one.
@@ -254,8 +235,7 @@ void drop_unsliced(const BuildState& state) {
 
 nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     check_output(config);
-    check_fit_config(fit_config(config, ""));
-    check_normals_config(normals_config(config, ""));
+    check_build_options(config);
     const bool keep_work = !config.work.empty();
     const std::string work = keep_work ? config.work : own_work(config);
     if (!keep_work) remove_put_aside(work);

@@ -32,6 +32,7 @@ public:
               const CloudInfo& info) {
         while (survey_.inputs.size() <= i) begin_input(first_id, info);
         PlanInput& input = survey_.inputs[i];
+        if (chunk.size() == 0) input.n_undeclared = info.n_undeclared;  // all is read
         if (is_gathering_ && input.first_id + info.n_points.value_or(0) > most_gathered_)
             stop_gathering();
         if (first_box_.empty()) first_box_ = box_of(chunk.position);
@@ -135,7 +136,8 @@ private:
     void take_attributes(const PointChunk& chunk, PlanInput& input) {
         // Counted apart from what other threads count beside it.
         std::uint64_t n_bad = 0;
-        for (const Vec3f& n : chunk.normal) n_bad += is_finite(n) ? 0 : 1;
+        for (const Vec3f& n : chunk.normal)
+            n_bad += !is_finite(n) || (n == Vec3f{} && !input.normals_from_faces) ? 1 : 0;
         if (n_bad > 0) input.n_bad_normals += n_bad;
         if (chunk.scan.empty()) return;
         const std::uint16_t last = *std::max_element(chunk.scan.begin(), chunk.scan.end());

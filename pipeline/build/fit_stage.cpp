@@ -161,19 +161,6 @@ std::filesystem::path coarse_fit_path(const std::filesystem::path& work) {
     return work / "coarse.fit";
 }
 
-void check_fit_config(const FitConfig& config) {
-    if (config.coarse && (config.slice >= 0 || config.slices_per_task > 1))
-        throw ConfigError({.key = "coarse",
-                           .problem = "the coarse levels are of all slices: leave out --slice and "
-                                      "--slices-per-task"});
-    if (config.radius_rule != "windows") return;
-    if (config.degree == "auto" || config.sharp == "on")
-        throw ConfigError(
-            {.key = "radius_rule",
-             .problem = " windows: goes with one degree and without sharp features",
-             .found = fmt::format("--degree {} --sharp {}", config.degree, config.sharp)});
-}
-
 nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     check_fit_config(config);
     const FolderLock lock(config.work, FolderLock::Hold::shared);

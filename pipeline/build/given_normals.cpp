@@ -87,6 +87,15 @@ NormalAudit mend(PointBlock& points, const NearestSearch& search, const std::vec
     return audit;
 }
 
+/// Where signs are random no neighbours agree, so that there is no majority to oppose.
+std::string contrary_text(double share, double opposed) {
+    if (share <= kManyContrary)
+        return fmt::format("{:.0f} % of neighbouring normals oppose each other", 100 * opposed);
+    return fmt::format("{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} % of "
+                       "neighbouring normals each other",
+                       100 * share, 100 * opposed);
+}
+
 std::string contrary_patches_text(std::size_t n, std::size_t n_own, bool are_turned) {
     const std::string text = fmt::format(
         "{} points, {:.1f} %, lie in patches whose normals are turned round against those about "
@@ -116,11 +125,7 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
     report.noisy = audit.noisy;
     const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
     if (share > kManyContrary || audit.has_mixed_signs())
-        return {fmt::format("{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} "
-                            "% of neighbouring "
-                            "normals each other",
-                            100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)),
-                true};
+        return {contrary_text(share, audit.opposed / std::max(audit.compared, 1.0)), true};
     const std::vector<std::uint32_t> samples = evidence_samples(points, own);
     report.evidence = evidence_of(points, search, samples);
     if (report.evidence.is_off_surface())

@@ -249,22 +249,6 @@ void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
 
 }  // namespace
 
-void check_normals_config(const NormalsConfig& config) {
-    if (config.neighbors != 0 && config.neighbors < 4)
-        throw ConfigError({.key = "neighbors",
-                           .expected = "0, or 4 to 200",
-                           .found = std::to_string(config.neighbors)});
-    if (!config.sensors.empty() && config.normals != "keep") read_json(config.sensors);
-    if (config.normals != "keep") return;
-    if (!config.sensors.empty())
-        throw ConfigError({.key = "sensors",
-                           .problem = "turn estimated normals; --normals keep estimates none"});
-    if (config.neighbors != 0)
-        throw ConfigError(
-            {.key = "neighbors",
-             .problem = "are what normals are estimated from; --normals keep estimates none"});
-}
-
 std::filesystem::path oriented_points_path(const std::filesystem::path& work, std::size_t slice) {
     return slice_folder(work, slice) / "oriented.slice";
 }

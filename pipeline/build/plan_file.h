@@ -16,12 +16,13 @@ struct PlanInput {
     std::string format;
     std::uint64_t n_points = 0;     ///< in the file, those that were dropped included
     std::uint64_t n_dropped = 0;    ///< without finite coordinates
-    std::uint64_t n_bad_normals = 0;///< not finite: set to zero, "none measured"
+    std::uint64_t n_bad_normals = 0;///< zero, or not finite and set to it: "none measured"
     bool has_normals = false;
     bool normals_from_faces = false;
     bool faces_turned = false;
     std::uint64_t n_face_points = 0;  ///< of n_points: on large faces of a mesh
     double face_points_from_size = 0; ///< as CloudInfo has it, not written
+    std::uint64_t n_undeclared = 0;   ///< as CloudInfo has it, not written
     bool has_scan = false;
     double noise_variance = 0;      ///< that smoothing took off its points; 0: none
     std::uint64_t first_id = 0;     ///< id of its first point

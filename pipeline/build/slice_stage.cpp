@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kLeastMemory = 64 << 20;
+
 // Radii, curvatures and their squares are floats in models and pictures.
 constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
 // Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of
@@ -131,8 +131,12 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
                                       in.path, in.n_dropped, in.n_points - in.n_face_points));
         if (in.n_bad_normals > 0)
-            reporter.warn(fmt::format("{}: {} normals are not finite and count as missing", in.path,
-                                      in.n_bad_normals));
+            reporter.warn(fmt::format("{}: {} normals are 0,0,0 or not finite and count as missing",
+                                      in.path, in.n_bad_normals));
+        if (in.n_undeclared > 0)
+            reporter.warn(fmt::format(
+                "{}: {} points more than its count says: was it cut or put together? All are read",
+                in.path, in.n_undeclared));
     }
     if (plan.n_points < 2 || plan.coordinate_quantum <= kCoarseQuantum * plan.diagonal) return;
     const std::string remedy = "store them as doubles, or relative to a nearby origin";
@@ -198,14 +202,6 @@ Vec3d choose_origin(const Bbox& bounds) {
     const Vec3d center = bounds.center();
     return {std::round(center.x / step) * step, std::round(center.y / step) * step,
             std::round(center.z / step) * step};
-}
-
-void check_slice_memory(const std::string& memory) {
-    if (parse_memory_size(memory) < kLeastMemory)
-        throw ConfigError({.key = "memory",
-                           .expected = "at least " + memory_size_text(kLeastMemory) +
-                                       ", which the coarse levels take",
-                           .found = "'" + memory + "'"});
 }
 
 nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {

@@ -1,5 +1,6 @@
 #include "pipeline/job/job.h"
 
+#include "pipeline/build/build_checks.h"
 #include "pipeline/build/build_stage.h"
 #include "pipeline/build/fit_stage.h"
 #include "pipeline/build/normals_stage.h"
@@ -125,6 +126,7 @@ private:
         JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, kOwnedOfScan),
                      {},     {},     {},
                      {}};
+        check_options_of<ScanConfig>(table, check_scan_options);
         // The shape is a word of slim-scan, not an option.
         for (std::string& option : step.arguments)
             if (option.starts_with("--shape=")) option = option.substr(8);
@@ -144,9 +146,27 @@ private:
         for (const fs::path& cloud : clouds_) step.arguments.push_back(cloud.string());
         NoKeys none;
         append_arguments(step, read_options<BuildConfig>(table, file_, none, kOwnedOfFit));
+        const auto config = check_options_of<BuildConfig>(table, check_build_options);
+        if (!config.sensors.empty()) step.inputs.emplace_back(config.sensors);
         add_step_output(step, job_);
         job_.steps.push_back(std::move(step));
         read_build_stages(table);
+    }
+
+    /// What a verb would refuse of its table once it runs, said where the table says it.
+    template <class Config>
+    Config check_options_of(const TomlTable& table, void (*check)(const Config&)) const {
+        Config config;
+        apply_table(table, fields_of(config), file_);
+        try {
+            check(config);
+        } catch (const ConfigError& error) {
+            Fault place = toml_fault(file_, table.line);
+            for (const TomlValue& value : table.values)
+                if (value.key == error.fault().key) place = toml_fault(file_, value.line);
+            throw error.at(place);
+        }
+        return config;
     }
 
     /// The same options dealt out to the single stages, which know them by the same keys.
@@ -191,6 +211,7 @@ private:
         const std::set<std::string> owned = owned_of_measure(clouds_.size());
         const std::vector<std::string> options =
             read_options<MeasureConfig>(*table, file_, none, owned);
+        const auto config = check_options_of<MeasureConfig>(*table, check_measure_options);
         std::set<std::string> names;
         for (const fs::path& cloud : clouds_) {
             JobStep step{
@@ -198,6 +219,8 @@ private:
                 {},        {}};
             if (clouds_.size() > 1)
                 step.name = numbered("measure " + cloud.filename().string(), names);
+            if (!config.truth.empty()) step.inputs.emplace_back(config.truth);
+            step.line = table->line;
             append_arguments(step, options);
             step.output = job_.folder / (file_name(step.name) + ".json");
             add_step_output(step, job_);

@@ -29,7 +29,7 @@ struct JobStep {
     /// tasks among which plans divide it, before one with --join puts it together; none: it is one
     std::vector<JobShare> shares = {};
     std::string division = {};  ///< why it is divided, or a large one not, for people
-    int line = 0;               ///< of a view's table in the job file
+    int line = 0;               ///< of the table of a view or of measures in the job file
 };
 
 /// The stages of the step "build", as make runs them: slice by slice. Arguments without --slice.

@@ -68,7 +68,8 @@ inline const std::set<std::string> kOwnedOfRender = {"model", "output", "job", "
                                                      "share", "join",   "name"};
 
 inline std::set<std::string> owned_of_measure(std::size_t n_clouds) {
-    std::set<std::string> owned = {"model", "cloud", "output"};
+    std::set<std::string> owned = {"model", "cloud", "output",
+                                   "offset"};  // of shapes, and a job measures models
     if (n_clouds > 1) owned.insert("per_point");  // one file for one cloud
     return owned;
 }

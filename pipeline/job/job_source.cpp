@@ -4,6 +4,7 @@
 #include "pipeline/config.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/shell_word.h"
+#include "pipeline/toml_file.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -38,17 +39,26 @@ std::vector<std::string> style_names() {
 }
 
 /// A TOML string.
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        out += c;
-    }
-    return out + '"';
+std::string quoted(std::string text) {
+    return Field("", Field::Target(&text), "", FieldRole::option).toml();
 }
 
 std::string absolute(const std::string& path) {
     return fs::absolute(path).lexically_normal().string();
+}
+
+/// The path as a TOML string. ConfigError for a name that TOML does not hold.
+std::string quoted_path(const std::string& path) {
+    const std::string text = quoted(absolute(path));
+    try {
+        TomlTable any;
+        set_value(any, "any.files=[" + text + "]");
+    } catch (const ConfigError&) {  // all but that is escaped
+        throw ConfigError({.file = path,
+                           .problem = "a name that is no UTF-8, which a job cannot hold",
+                           .expected = "another name, or a link to it"});
+    }
+    return text;
 }
 
 /// Whether the command line says what to read.
@@ -118,14 +128,14 @@ std::vector<std::string> job_settings(const JobSource& source) {
     std::vector<std::string> settings;
     if (!source.clouds.empty()) {
         std::vector<std::string> files;
-        for (const std::string& cloud : source.clouds) files.push_back(quoted(absolute(cloud)));
+        for (const std::string& cloud : source.clouds) files.push_back(quoted_path(cloud));
         settings.push_back(fmt::format("input.files=[{}]", fmt::join(files, ", ")));
     }
     std::string folder = source.output;
     if (folder.empty() && !source.clouds.empty())
         folder =
             fs::path(source.clouds[0]).stem().string() + "_" + fs::path(source.job).stem().string();
-    if (!folder.empty()) settings.push_back("output.dir=" + quoted(absolute(folder)));
+    if (!folder.empty()) settings.push_back("output.dir=" + quoted_path(folder));
     settings.insert(settings.end(), source.settings.begin(), source.settings.end());
     return settings;
 }

@@ -102,7 +102,10 @@ void require_inputs(const Job& job) {
         for (const fs::path& file : step.inputs) {
             std::error_code error;
             if (made.contains(file) || fs::exists(file, error)) continue;
-            throw IoError(fmt::format("{}: {}: no such file", step.name, file.string()));
+            Fault fault{.problem =
+                            fmt::format("{}: {}: no such file", step.name, file.string())};
+            if (step.line > 0) fault.file = job.file.string(), fault.line = step.line;
+            throw IoError(fault);
         }
 }
 

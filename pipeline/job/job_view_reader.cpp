@@ -6,7 +6,7 @@
 #include "pipeline/job/job_views.h"
 #include "pipeline/job/view_shares.h"
 #include "pipeline/manifest.h"
-#include "pipeline/render/render_checks.h"
+#include "pipeline/render/render_check.h"
 #include "pipeline/render/render_config.h"
 #include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_uses.h"
@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <set>
 #include <string_view>
@@ -119,7 +118,7 @@ private:
         at_their_keys(table, [&] { check_view_name(view.name); });
         const bool is_refused = is_beyond_fit(view.aovs, render, table);
         if (!names_.insert(view.name).second) refuse_second(view.name, table);
-        at_their_keys(table, [&] { check_options(render, view.aovs); });
+        check_all(render, view, table);
         asked_.push_back({view.name, view.aovs, render, is_refused});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
         step.line = table.line;
@@ -251,6 +250,30 @@ private:
         return {.file = file_.string()};
     }
 
+    /// Checks what slim-render would refuse after the whole build.
+    void check_all(RenderConfig render, const ViewTable& view, const TomlTable& table) const {
+        render.aov = view.aovs;
+        try {
+            check_options(render);
+        } catch (const ConfigError& error) {
+            throw said_of_view(error, view.name, table);
+        }
+    }
+
+    /// Where the view says that key, else where all views' tables do: then it is to be told which
+    /// view cannot take it.
+    ConfigError said_of_view(const ConfigError& error, const std::string& view,
+                             const TomlTable& table) const {
+        Fault fault = error.fault();
+        const std::string key = fault.key == "aov" ? "aovs" : fault.key;
+        const Fault own = place_of_value(table, key), of_all = place_of_default(key);
+        const bool is_own = own.line != table.line || !own.said_by.empty();
+        const bool is_of_all = !is_own && (of_all.line > 0 || !of_all.said_by.empty());
+        if (is_of_all && n_views() > 1)
+            fault.hint += fmt::format("{}view {}", fault.hint.empty() ? "" : "; ", view);
+        return ConfigError(fault).at(is_of_all ? of_all : own);
+    }
+
     /// Whether it asks for what models of [fit] have not, and notes that.
     bool is_beyond_fit(const std::vector<std::string>& aovs, const RenderConfig& render,
                        const TomlTable& table) {
@@ -273,16 +296,11 @@ private:
             if (const Field* field = fields.find(value.key))
                 field->set(items_for(*field, value, file_.parent_path()),
                            toml_fault(file_, value.line, value.key));
-        check_view_keys(config, [&](const char* key, const std::function<void()>& check) {
-            for (const TomlValue& value : table.values) {
-                if (value.key != key) continue;
-                try {
-                    check();
-                } catch (const ConfigError& error) {
-                    throw error.at(toml_fault(file_, value.line));
-                }
-            }
-        });
+        try {
+            check_values(config);
+        } catch (const ConfigError& error) {
+            throw error.at(place_of_value(table, error.fault().key));
+        }
     }
 
     void check_aovs(const std::vector<std::string>& aovs, const TomlTable& table) const {

@@ -111,21 +111,6 @@ void name_line_files(const std::string& view, std::vector<std::string>& options)
         }
 }
 
-void check_view_keys(
-    const RenderConfig& config,
-    const std::function<void(const char* key, const std::function<void()>& check)>& checked) {
-    checked("size", [&] { parse_size(config.size); });
-    checked("light", [&] { check_lights(config.light); });
-    checked("material", [&] { parse_materials(config.material); });
-    checked("background", [&] { parse_background(config.background, false); });
-    // Any box will do: only cameras that are given by numbers can be wrong.
-    ModelHeader model;
-    model.bounds = {{-1, -1, -1}, {1, 1, 1}};
-    checked("camera", [&] { make_camera(config, model, {100, 100}, {}); });
-    for (const char* key : {"turntable", "path", "frames", "frame"})
-        checked(key, [&] { FilmCameras(config, model, {100, 100}, {}).at(n_frames(config) - 1); });
-}
-
 void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
                        const BuildStages& stages) {
     const std::string& degree = stages.degree;

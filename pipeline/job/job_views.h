@@ -4,7 +4,6 @@
 #include "pipeline/render/render_config.h"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -47,12 +46,6 @@ std::optional<WrongLineFile> wrong_line_file(const std::vector<std::string>& opt
 /// Renames those in the options of several views, each of which writes its own: edges.ply is
 /// front.edges.ply of the view "front", as its pictures are named.
 void name_line_files(const std::string& view, std::vector<std::string>& options);
-
-/// What slim-render would refuse after the whole build: calls checked(key, check) for each key
-/// whose value can be wrong in itself, check throwing ConfigError.
-void check_view_keys(
-    const RenderConfig& config,
-    const std::function<void(const char* key, const std::function<void()>& check)>& checked);
 
 /// Throws ConfigError on a view that no model of this [fit], or not the given one, can give.
 void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,

@@ -150,7 +150,8 @@ json summary(const Sums& s, const Distances& d, const MeasuredSurface& surface, 
     if (!surface.file.path.empty()) refuse_apart(cloud, surface.file, n_points);
     throw NumericalError(fmt::format(
         "{}: no nearest point of the shape was found within ten of its diagonals for {}: is the "
-        "cloud in the shape's frame and unit? Nothing is written",
+        "cloud in the shape's frame and unit? --offset says where in the world the shape lies. "
+        "Nothing is written",
         cloud.path,
         n_points == 1 ? "its one point" : fmt::format("any of its {} points", n_points)));
 }

@@ -29,8 +29,8 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kShape = "shape:";
-// of a shape's diagonal: a point so far from its bounds is of another frame
-constexpr double kFarOff = 10;
+
+bool is_of_shape(const MeasureConfig& config) { return config.model.starts_with(kShape); }
 
 /// The model as what a cloud is measured against; `index` must outlive it.
 MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& header,
@@ -46,11 +46,11 @@ MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& heade
 }
 
 /// A point put on an analytic shape: at its foot, the nearest point, if that is known and no
-/// farther than kFarOff.
+/// farther than kFarOffShape.
 ProjectedPoint put_on(const Shape& shape, const Vec3d& p, const Vec3d& own_normal) {
     ProjectedPoint out;
     out.has_normal = is_finite(own_normal) && sq_length(own_normal) > 0;
-    const double far = kFarOff * shape.bounds.diagonal();
+    const double far = kFarOffShape * shape.bounds.diagonal();
     if (shape.bounds.sq_distance(p) > far * far) return out;
     const auto foot = nearest_point(shape, p);
     if (!foot) return out;
@@ -71,7 +71,8 @@ json against_shape(const MeasureConfig& config, const CloudFiles& files, StageCo
         throw ConfigError({.key = "two_way",
                            .problem = "a shape is measured against one way only",
                            .expected = "a model"});
-    const MeasuredSurface surface{{}, shape.bounds.diagonal(), [&shape]() -> PutPoint {
+    const MeasuredSurface surface{shape_offset(config.offset), shape.bounds.diagonal(),
+                                  [&shape]() -> PutPoint {
                                       return [&shape](const Vec3d& p, const Vec3d& n, bool) {
                                           return put_on(shape, p, n);
                                       };
@@ -87,7 +88,7 @@ json against_shape(const MeasureConfig& config, const CloudFiles& files, StageCo
 
 /// The result without its record.
 json measured(const MeasureConfig& config, const CloudFiles& files, StageContext& context) {
-    if (config.model.starts_with(kShape)) return against_shape(config, files, context);
+    if (is_of_shape(config)) return against_shape(config, files, context);
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
     LeafHessians hessians(tree);
@@ -105,7 +106,7 @@ json measured(const MeasureConfig& config, const CloudFiles& files, StageContext
 }
 
 void check_order(const MeasureConfig& config) {
-    if (config.model.starts_with(kShape)) return;
+    if (is_of_shape(config)) return;
     if (input_kind(config.cloud) == InputKind::model &&
         input_kind(config.model) == InputKind::cloud)
         throw ConfigError(fmt::format(
@@ -120,7 +121,7 @@ json recorded(const MeasureConfig& config, const std::string& truth, StageContex
               Work&& work) {
     if (config.output.empty()) return work();
     Stamp stamp(context, manifest_path(config.output));
-    config.model.starts_with(kShape) ? stamp.depends(config.model) : stamp.input(config.model);
+    is_of_shape(config) ? stamp.depends(config.model) : stamp.input(config.model);
     stamp.input(config.cloud);
     if (!truth.empty()) stamp.input(truth);
     stamp.outputs({config.output});
@@ -132,11 +133,7 @@ json recorded(const MeasureConfig& config, const std::string& truth, StageContex
 }
 
 json measure_points(const MeasureConfig& config, StageContext& context) {
-    if (!config.two_way && config.samples != MeasureConfig{}.samples)
-        throw ConfigError(
-            {.key = "samples",
-             .problem = " are those of the model's surface, which is not measured",
-             .expected = "--two-way with it"});
+    check_measure_options(config);
     check_order(config);
     CloudFiles files{config.cloud, config.truth, config.per_point};
     if (files.truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
@@ -152,6 +149,7 @@ enum class Kind { points, pictures, meshes, clouds };
 /// What the options are of that are not of every kind.
 constexpr const char* kOfModel = "a cloud against a model";
 constexpr const char* kOfPoints = "a cloud against a model, or of two clouds or meshes";
+constexpr const char* kOfShape = "a cloud against a shape (shape:NAME)";
 constexpr const char* kOfClouds = "a cloud against a model, or of two clouds";
 
 /// Options that are of another kind of measure and were given all the same.
@@ -169,6 +167,7 @@ void refuse_without_effect(const MeasureConfig& config, Kind kind) {
         {!clouds && config.two_way, "two_way", kOfClouds},
         {!model && config.samples != as_before.samples, "samples", kOfModel},
         {!clouds && config.tolerance != as_before.tolerance, "tolerance", kOfClouds},
+        {!is_of_shape(config) && !config.offset.empty(), "offset", kOfShape},
         {!pictures && config.threshold != as_before.threshold, "threshold", "two pictures"}};
     for (const Given& g : given)
         if (g.without_effect)
@@ -197,10 +196,7 @@ void check_outputs(const MeasureConfig& config, Kind kind) {
                                     : is_picture(config.output) ? ", a picture only of two pictures"
                                                                 : ""),
              .expected = fmt::format("a name ending in .json{}", pictures ? " or .png" : "")});
-    if (!config.per_point.empty() && lower_extension(config.per_point) != ".ply")
-        throw ConfigError({.file = config.per_point,
-                           .problem = "the figures of points are a PLY",
-                           .expected = "a name ending in .ply"});
+    check_per_point(config);
 }
 
 json measure_meshes(const MeasureConfig& config, StageContext& context) {

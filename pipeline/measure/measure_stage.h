@@ -17,6 +17,7 @@ struct MeasureConfig {
     double tolerance = 0.001;
     std::uint64_t samples = 200'000;
     double threshold = 1.0 / 255;
+    std::vector<double> offset;
 
     template <class Visitor>
     void visit(Visitor&& field) {
@@ -48,8 +49,18 @@ struct MeasureConfig {
               1e9);
         field("threshold", threshold, "of pictures: a pixel differs if a channel differs by more",
               0, 1e30);
+        field("offset", offset,
+              "of shape:NAME: where the shape's origin lies in the world, x,y,z (as slim scan "
+              "--offset moved it)");
     }
 };
+
+/// The name that --per-point gives, which must end in .ply (ConfigError).
+void check_per_point(const MeasureConfig& config);
+
+/// All that can be told of the options of a cloud against a model before either is opened: readers
+/// of jobs ask, too. ConfigError.
+void check_measure_options(const MeasureConfig& config);
 
 /// Projects every finite point of the cloud along its normal (NUMERICS 5.5; the model's own normal
 /// where it has none). Keys: points missed l2 max max_at (the point of the cloud that is farthest,

@@ -2,12 +2,11 @@
 
 #include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_bands.h"
-#include "pipeline/render/render_checks.h"
 #include "pipeline/render/render_directions.h"
 #include "pipeline/render/render_look.h"
 #include "pipeline/render/render_maps.h"
 #include "pipeline/render/render_shadings.h"
-#include "slim/base/error.h"
+#include "pipeline/shape_name.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
 #include "slim/shapes/foot_point.h"
@@ -124,7 +123,7 @@ PictureSize part_size(const RenderedFrame& frame, const PictureSize& size) {
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
                                    const GBuffer& b, std::uint64_t* n_unknown) {
     const Shape& shape = find_shape(config.truth_shape);
-    const Vec3d shift = model_origin - shape_offset(config);
+    const Vec3d shift = model_origin - shape_offset(config.offset);
     std::vector<float> distances(b.n_pixels(), 0.0f);
     std::atomic<std::uint64_t> unknown{0};
     parallel_blocks(b.n_pixels(), kPixelGrain, [&](std::size_t begin, std::size_t end) {

@@ -3,7 +3,7 @@
 #include "formats/atomic_file.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/render/render_cameras.h"
-#include "pipeline/render/render_checks.h"
+#include "pipeline/render/render_check.h"
 #include "pipeline/render/render_lines.h"
 #include "slim/base/error.h"
 
@@ -27,7 +27,7 @@ void check_folder(const fs::path& folder, const std::string& output) {
 }
 
 int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    check_options(config, aovs);
+    check_options(config);
     check_lines(config);
     const int frames = n_frames(config);
     const OutputPlan pictures = plan_outputs(config, aovs);

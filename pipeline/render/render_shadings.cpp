@@ -2,15 +2,15 @@
 
 #include "formats/image_io.h"
 #include "pipeline/contains.h"
+#include "pipeline/render/relief_options.h"
 #include "pipeline/render/render_aov.h"
-#include "pipeline/render/render_checks.h"
 #include "pipeline/render/render_colors.h"
 #include "pipeline/render/render_contours.h"
 #include "raytrace/stripes.h"
-#include "slim/base/error.h"
 #include "slim/base/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace slim {
 namespace {
@@ -25,7 +25,7 @@ std::array<Vec3f, 3> float_axes(const std::array<Vec3d, 3>& axes) {
 Relief relief_of(const RenderConfig& config, const ModelHeader& model) {
     const std::array<Vec3d, 3> axes = upright_axes(up_axis(config));
     Relief relief{float_axes(axes), dot(axes[1], model.origin), config.sun[0], config.sun[1], 0};
-    relief.spacing = contour_spacing(config).value_or(0);
+    relief.spacing = fixed_spacing(config).value_or(0);
     return relief;
 }
 

@@ -18,6 +18,7 @@
 #include "pipeline/render/render_summary.h"
 #include "pipeline/render/render_trace.h"
 #include "pipeline/render/render_views.h"
+#include "pipeline/render/truth_shape.h"
 #include "raytrace/font.h"
 #include "slim/base/error.h"
 
@@ -158,6 +159,11 @@ void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
 
 /// What can be told before anything is drawn.
 void check_job(const RenderJob& job, Reporter& reporter) {
+    if (job.wants("truth_distance")) {
+        const ModelHeader& drawn = job.header();
+        refuse_far_truth(job.config,
+                         {drawn.bounds.lo + drawn.origin, drawn.bounds.hi + drawn.origin});
+    }
     warn_of_flat_surfels(job, reporter);
     warn_of_lights_below(job, reporter);
     warn_of_letters(job.config, reporter);

@@ -94,7 +94,7 @@ void check_steps(ExperimentResult& result) {
             if (!record || record->done || record->absent || step.may_fail) continue;
             result.checks.push_back({result.experiment->name, "step " + step.name,
                                      row.label(*result.experiment), "", "", Verdict::failed,
-                                     record->reason});
+                                     record->reason, true});
         }
 }
 

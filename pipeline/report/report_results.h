@@ -17,6 +17,7 @@ struct CheckResult {
     std::string value, band;
     Verdict verdict = Verdict::passed;
     std::string reason;
+    bool is_step = false;  ///< that ended otherwise than expected, not a figure
 
     /// "quick, L2 (degree 2): 0.3, expected at most 0.1": for messages.
     std::string sentence() const;

@@ -80,16 +80,31 @@ std::vector<fs::path> write_report(const Report& report, const fs::path& folder)
     return written;
 }
 
+/// "2 of 9 figures left their bands", "1 step failed", or both.
+std::string what_failed(std::size_t n_left, std::size_t n_figures, std::size_t n_steps) {
+    std::string text;
+    if (n_left > 0) text = fmt::format("{} of {} figures left their bands", n_left, n_figures);
+    if (n_steps > 0)
+        text += fmt::format("{}{} step{} failed", n_left > 0 ? ", and " : "", n_steps,
+                            n_steps == 1 ? "" : "s");
+    return text;
+}
+
 void fail_if_left(const Report& report, const std::string& page) {
     std::vector<std::string> left;
-    for (const CheckResult* check : report.checks())
-        if (check->verdict == Verdict::failed) left.push_back(check->sentence());
+    std::size_t n_steps = 0, n_figures = 0;
+    for (const CheckResult* check : report.checks()) {
+        n_figures += check->is_step ? 0 : 1;
+        if (check->verdict != Verdict::failed) continue;
+        n_steps += check->is_step ? 1 : 0;
+        left.push_back(check->sentence());
+    }
     if (left.empty()) return;
     const std::size_t n = left.size();
     left.resize(std::min(n, kMostNamed));
     throw NumericalError(
-        fmt::format("{} of {} figures left their bands: {}{}; all are in {}", n,
-                    report.checks().size(), fmt::join(left, "; "),
+        fmt::format("{}: {}{}; all are in {}", what_failed(n - n_steps, n_figures, n_steps),
+                    fmt::join(left, "; "),
                     n > kMostNamed ? fmt::format("; and {} more", n - kMostNamed) : "", page));
 }
 

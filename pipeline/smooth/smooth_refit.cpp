@@ -114,11 +114,13 @@ void warn_of_memory(const SmoothRefit& refit, const RefitBudget& budget, const S
                         "--memory helps",
                         input.memory));
     else if (refit.share < 1 && budget.points < kMostSmoothPoints)
-        reporter.warn(
-            fmt::format("only {:.3g} of the points are fitted to, for memory ({}): what they are "
-                        "too sparse to show of the shape may "
-                        "count as noise; a larger --memory helps",
-                        refit.share, input.memory));
+        reporter.warn(fmt::format(
+            "only {:.3g} of the points {}, for memory ({}): what they are too sparse to show of "
+            "the shape may count as noise; a larger --memory helps",
+            refit.share,
+            refit.kept_for_memory == input.index.n_leaves() ? "are asked how noisy they are"
+                                                            : "are fitted to",
+            input.memory));
 }
 
 }  // namespace

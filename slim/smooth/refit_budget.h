@@ -20,9 +20,10 @@ inline constexpr std::size_t kMostSmoothPoints = std::size_t{1} << 22;
 inline constexpr std::uint64_t kLeastSmoothMemory = std::uint64_t{64} << 20;
 
 /// Divides `memory` bytes, of which the program, its buffers and the index of the model's leaves
-/// (400 bytes each) take theirs first: half of the rest for points (kMostSmoothPoints), the other
-/// half for leaves while radii are sought, then for fits. Of what the points leave, two batches of
-/// 2^16 to 2^20 points: the more lie together the fewer surfels are asked of each (notes/0007).
+/// (600 bytes each) take theirs first: half of the rest for points (kMostSmoothPoints), down to a
+/// quarter where then all leaves fit in, the other half for leaves while radii are sought, then for
+/// fits (notes/0012). Of what the points leave, two batches of 2^16 to 2^20 points: the more lie
+/// together the fewer surfels are asked of each (notes/0007).
 RefitBudget refit_budget(std::uint64_t memory, std::size_t n_leaves);
 
 }  // namespace slim

@@ -28,7 +28,8 @@ def every_verb():
         check(wrong.code == 2 and "'--threads'" in wrong.err and not wrong.out,
               f"{verb} --theads: exit {wrong.code}: {wrong.err}")
         wrong = run(f"slim-{verb}", "--theads", "2", "--json")
-        check(wrong.json()["error"]["code"] == 2, f"{verb}: error object {wrong.out}")
+        error = wrong.json()["error"]
+        check(error["code"] == 2 and error["option"] == "--theads", f"{verb}: error object {wrong.out}")
         missing = run(f"slim-{verb}")
         check(missing.code == 2 and "missing" in missing.err, f"{verb} alone: {missing.err}")
 
@@ -74,6 +75,11 @@ def config_file():
 def outputs():
     missing = run("slim-info", "nowhere.ply", "--json")
     check(missing.code == 3 and "nowhere.ply" in missing.json()["error"]["message"], missing.err)
+    missing = run("slim", "build", "nope", "-o", "a.slim", "--json")
+    check(missing.code == 3 and missing.json()["error"]["file"] == "nope", f"slim build nope: {missing.out}")
+    run("slim-scan", "sphere", "-o", "./-x.ply", "--points", "1000")  # what follows -- is a file
+    dashed = run("slim", "info", "--json", "--", "-x.ply")
+    check(dashed.code == 0 and dashed.json()["points"] == 1000, f"slim info -- -x.ply: {dashed.err}")
     wrong = run("slim-scan", "sphere", "-o", "/proc/x.ply", "--points", "1000")
     check(wrong.code in (2, 3, 4) and "x.ply" in wrong.err, f"/proc/x.ply: {wrong.code} {wrong.err}")
     with open("/dev/full", "w") as full:
@@ -159,10 +165,12 @@ def no_room_for_a_thread():
 
 def processor_time_limit():
     command = [harness.bin / "slim-scan", "sculpture", "-o", "long.ply", "--points", "50000000", "-q"]
-    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (1, 60))
-    done = subprocess.run(command, cwd=harness.folder, capture_output=True, text=True, preexec_fn=limit)
-    check(done.returncode == 4 and "ulimit -t" in done.stderr, f"limit of time: {done.returncode} {done.stderr}")
-    check(not list(harness.folder.glob("long*")), "a run over the limit of time left a file")
+    for limits in ((1, 60), (1, 1), (2, 2)):  # soft and hard: at a hard one the system kills
+        limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, limits)
+        done = subprocess.run(command, cwd=harness.folder, capture_output=True, text=True, preexec_fn=limit)
+        check(done.returncode == 4 and "ulimit -t" in done.stderr,
+              f"limit of time {limits}: {done.returncode} {done.stderr}")
+        check(not list(harness.folder.glob("long*")), f"a run over the limit of time {limits} left a file")
 
 
 every_verb()

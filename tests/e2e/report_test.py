@@ -202,6 +202,7 @@ def test_bands():
     done = report("small", SMALL.replace("MOST", "1e-9"), "out")
     h.check(done.code == 5, f"a band that is left ends with 5, not {done.code}")
     h.check("L2 of the sphere (degree 1, t 0.1): found" in done.err, f"the figure is named: {done.err[-300:]}")
+    h.check("figures left their bands" in done.err and "failed:" not in done.err, f"no step failed: {done.err[-400:]}")
     page = Page((h.folder / "out/index.html").read_text())
     h.check("4 FAILED" in page.text, "the page counts what failed")
     known = SMALL.replace("MOST", "1e-9").replace('name = "L2 of the sphere"', 'name = "L2"\nknown = "too strict"')
@@ -312,7 +313,9 @@ def test_jobs():
     h.check(wrong.code == 2 and "'t_mdl'" in wrong.err, f"an unknown key of jobs: {wrong.err}")
     (h.folder / "broken.toml").write_text(JOB.replace("DEGREE", "2").replace("points = 3000", "points = 1"))
     broken = h.run("slim-report", "broken.toml", "plain.toml", "-o", "jobs", "--json", "--threads", "1")
-    h.check(broken.code == 5 and "broken" in broken.json()["error"]["message"], f"a job that fails: {broken.out}")
+    message = broken.json()["error"]["message"]
+    h.check(broken.code == 5 and "broken" in message, f"a job that fails: {broken.out}")
+    h.check("1 step failed: " in message and "bands" not in message, f"it has no figures: {message}")
     h.check("plain" in (h.folder / "jobs/jobs.rows.csv").read_text(), "the other job goes on")
 
 

@@ -182,12 +182,12 @@ TEST(CommandLine, TheLaterOfFileSetAndOptionWins) {
 }
 
 TEST(CommandLine, SuggestsTheNearestOption) {
-    EXPECT_EQ(refusal({"--degre", "3"}), "unknown option --degre (did you mean '--degree'?)");
-    EXPECT_EQ(refusal({"-j", "3"}), "unknown option -j (threads are --threads N)");
-    EXPECT_EQ(refusal({"--view", "top"}), "unknown option --view (did you mean '--camera'?)");
-    EXPECT_EQ(refusal({"--input", "a.ply"}), "unknown option --input (files to read are written "
+    EXPECT_EQ(refusal({"--degre", "3"}), "--degre: unknown option (did you mean '--degree'?)");
+    EXPECT_EQ(refusal({"-j", "3"}), "-j: unknown option (threads are --threads N)");
+    EXPECT_EQ(refusal({"--view", "top"}), "--view: unknown option (did you mean '--camera'?)");
+    EXPECT_EQ(refusal({"--input", "a.ply"}), "--input: unknown option (files to read are written "
                                              "without an option before them)");
-    EXPECT_EQ(refusal({"--thread=3"}), "unknown option --thread (did you mean '--threads'?)");
+    EXPECT_EQ(refusal({"--thread=3"}), "--thread: unknown option (did you mean '--threads'?)");
     EXPECT_EQ(refusal({"--set", "degre=3"}),
               "--set degre=3: unknown key 'degre' (did you mean 'degree'?)");
     EXPECT_NE(refusal({"--set", "qqqqqqqqqq=3"}).find("unknown key 'qqqqqqqqqq': expected one of "),

@@ -31,6 +31,24 @@ TEST(CameraPath, PassesItsKeyframesAndStaysSmooth) {
     }
 }
 
+TEST(CameraPath, RestsBetweenEqualKeyframes) {
+    Camera a, b;
+    a.eye = {0.1, 0, 5}, a.fov_y_deg = 33;
+    b.eye = {5, 1, 0}, b.target = {0, 1, 0};
+    const Camera keys[] = {a, a, b, b, b};
+    const auto moved = [&](double t, const Camera& from) {
+        return length(camera_on_path(keys, t).eye - from.eye);
+    };
+    const Vec3d rest = camera_on_path(keys, 0).eye;
+    for (const double t : {0.01, 0.5, 0.99, 1.0})  // the bytes of the first picture
+        EXPECT_EQ(camera_on_path(keys, t).eye, rest) << t;
+    for (const double t : {2.0, 2.3, 3.5, 4.0}) EXPECT_LT(moved(t, b), 1e-12) << t;
+    // It leaves slowly and comes to rest slowly, and passes neither.
+    EXPECT_LT(moved(1.01, a), 0.01);
+    EXPECT_LT(moved(1.99, b), 0.01);
+    EXPECT_GT(moved(1.5, a), 1);
+}
+
 TEST(CameraPath, AFullTurnComesBackAndKeepsItsDistance) {
     Camera camera;
     camera.eye = {1, 2, 5}, camera.target = {0, 0, 1};

@@ -65,6 +65,9 @@ TEST(ColorMap, NiceCeilingRoundsUpToRoundNumbers) {
     EXPECT_DOUBLE_EQ(nice_ceiling(1.01), 1.2);
     EXPECT_DOUBLE_EQ(nice_ceiling(0.0231), 0.025);
     EXPECT_DOUBLE_EQ(nice_ceiling(87), 100);
+    EXPECT_EQ(nice_ceiling(0.14), 0.15);  // as it is written, not 0.15000000000000002
+    EXPECT_EQ(nice_ceiling(1.4e-9), 1.5e-9);
+    EXPECT_DOUBLE_EQ(nice_ceiling(1.4e-30), 1.5e-30);
     EXPECT_DOUBLE_EQ(nice_ceiling(0), 0);
     EXPECT_DOUBLE_EQ(nice_ceiling(kNaN), 0);
 }

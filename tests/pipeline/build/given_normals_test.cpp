@@ -48,6 +48,48 @@ TEST_F(GivenNormals, EstimatesNormalsThatAreThoseOfNoSurface) {
     EXPECT_TRUE(listener_.warnings.empty());
 }
 
+TEST_F(GivenNormals, SaysThatNormalsAreMissingThatAreZero) {
+    const auto zero = [](const Vec3f& n, std::size_t i) { return i % 40 == 0 ? Vec3f{} : n; };
+    slice(write(with_normals(sampled("sphere", 10000), zero), "c.ply"), 1);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("250 normals are 0,0,0 or not finite"),
+              std::string::npos)
+        << listener_.warnings[0];
+    EXPECT_EQ(normals()["estimated"], 250);
+}
+
+TEST_F(GivenNormals, SaysOfRandomSignsThatNeighboursOpposeEachOther) {
+    const auto random = [](const Vec3f& n, std::size_t i) { return i * 7919 % 2 ? n : -n; };
+    Cloud cloud = sampled("sphere", 10000);
+    for (std::size_t i = 1; i < cloud.size(); i += 2) {  // two points at each place, of both signs
+        cloud.positions[i] = cloud.positions[i - 1];
+        cloud.normals[i] = cloud.normals[i - 1];
+    }
+    slice(write(with_normals(cloud, random), "c.ply"), 1);
+    normals();
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("% of neighbouring normals oppose each other"),
+              std::string::npos)
+        << listener_.warnings[0];
+    EXPECT_EQ(listener_.warnings[0].find("majority"), std::string::npos)
+        << listener_.warnings[0];
+}
+
+TEST_F(GivenNormals, SaysThatACountOfAPTSIsTooSmall) {
+    std::string text = "100\n";
+    const Cloud sphere = sampled("sphere", 300);
+    for (const Vec3d& p : sphere.positions) text += fmt::format("{} {} {}\n", p.x, p.y, p.z);
+    slice(folder_.write("c.pts", text), 1);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("200 points more than its count says"),
+              std::string::npos)
+        << listener_.warnings[0];
+    listener_.warnings.clear();
+    text.replace(0, 3, "300");
+    slice(folder_.write("d.pts", text + text), 1);  // two blocks, of a count each
+    EXPECT_TRUE(listener_.warnings.empty());
+}
+
 TEST_F(GivenNormals, TurnsPatchesOfAWholeCloudAndSaysSoOfSlices) {
     Cloud sphere = sampled("sphere", 20000);
     std::size_t n = 0;

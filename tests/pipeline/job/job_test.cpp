@@ -106,6 +106,8 @@ TEST(Job, IsChangedBySettings) {
          {std::pair{"degree=1", "expected TABLE.KEY=VALUE"},
           std::pair{"fit.degre=1", "did you mean 'degree'"},
           std::pair{"fit.degree=9", "--set: degree: expected"},
+          std::pair{"input.files=[\"a.ply\", \"b.ply\"", "not an array: expected [\"a\", \"b\"]"},
+          std::pair{"render.same_range= [front]", "not an array"},
           std::pair{"view.size=3x3", "is a list"}, std::pair{"ftt.degree=1", "did you mean 'fit'"}})
         try {
             read_job(file, {setting});

@@ -342,6 +342,26 @@ TEST(Job, StylesOfAWrongNameAreGuessed) {
     }
 }
 
+TEST(Job, CloudsOfTheCommandLineMayHaveAnyNameThatIsUTF8) {
+    const fs::path file = write_job("[input]\nfiles = ['a.ply']\n");
+    for (const std::string name : {"new\nl/s.ply", "a\tb.ply", "back\\slash.ply", "c\x01\x7f.ply",
+                                   "quote\".ply", "[a, b].ply", "comma,comma.ply", "\u00e9.ply"}) {
+        SCOPED_TRACE(name);
+        const JobSource source{file.string(), {"/x/" + name, "/y.ply"}, "/out/" + name, {}};
+        const Job job = read_job(file, job_settings(source));
+        EXPECT_EQ(job.folder, "/out/" + name);
+        EXPECT_EQ(job.steps[0].inputs,
+                  (std::vector<fs::path>{"/x/" + name, "/y.ply"}));
+    }
+    const JobSource latin{file.string(), {"/x/caf\xe9.ply"}, "/out", {}};
+    try {
+        job_settings(latin);
+        FAIL();
+    } catch (const ConfigError& error) {
+        EXPECT_NE(std::string(error.what()).find("no UTF-8"), std::string::npos) << error.what();
+    }
+}
+
 TEST(Job, ListsMayBeWrittenAsOnACommandLine) {
     const Job job = read_job(write_job("[input]\nfiles = 'a.ply,b.ply'\n[render]\n"
                                        "lines = 'contour,crest'\n[[view]]\naovs = 'shaded,mean'\n"

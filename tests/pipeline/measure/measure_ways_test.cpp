@@ -129,6 +129,29 @@ TEST_F(MeasureWays, AShapeMeasuresACloudExactly) {
               ExitCode::usage);
 }
 
+TEST_F(MeasureWays, AShapeIsMeasuredWhereItsOffsetSays) {
+    const std::vector<double> offset{500000, 4e6, 100};
+    Cloud off = sampled("torus", 2000);
+    for (std::size_t i = 0; i < off.size(); ++i)
+        off.positions[i] += off.truth[i].normal * 0.01 + Vec3d{offset[0], offset[1], offset[2]};
+    const std::string path = write(off, "far.ply");
+    const json m = measured("shape:torus", path, [&](MeasureConfig& c) { c.offset = offset; });
+    EXPECT_EQ(m["missed"], 0);
+    EXPECT_NEAR(m["l2"].get<double>() * m["diagonal"].get<double>(), 0.01, 1e-8);
+    EXPECT_EQ(code_of([&] { measured("shape:torus", path, [](MeasureConfig&) {}); }),
+              ExitCode::numerical);
+    EXPECT_NE(message_.find("--offset"), std::string::npos) << message_;
+    EXPECT_EQ(code_of([&] {
+                  measured("shape:torus", path, [](MeasureConfig& c) { c.offset = {1, 2}; });
+              }),
+              ExitCode::usage);
+    build_sphere(2000);
+    EXPECT_EQ(
+        code_of([&] { measured(model_, path_, [&](MeasureConfig& c) { c.offset = offset; }); }),
+        ExitCode::usage);
+    EXPECT_NE(message_.find("offset"), std::string::npos) << message_;
+}
+
 TEST_F(MeasureWays, AMissingTruthIsNamed) {
     build_sphere(2000);
     EXPECT_EQ(code_of([&] {

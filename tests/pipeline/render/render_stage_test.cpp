@@ -251,6 +251,24 @@ TEST_F(RenderStage, WorldCamerasSeeAGeoreferencedModel) {
     EXPECT_LT(result["ranges"]["truth_distance"][1].get<double>(), 0.02);
 }
 
+// As slim measure does: distances to a shape that is nowhere near say nothing.
+TEST_F(RenderStage, ATruthFarFromTheModelIsRefused) {
+    RenderConfig c = config("x.png");
+    c.aov = {"truth_distance"}, c.truth_shape = "sphere";
+    c.offset = {500000, 4e6, 100};
+    try {
+        run(c);
+        FAIL();
+    } catch (const NumericalError& e) {
+        EXPECT_NE(std::string(e.what()).find("--offset"), std::string::npos) << e.what();
+    }
+    EXPECT_FALSE(exists("x.png"));
+    c.offset = {0, 0, 30};  // within ten diagonals
+    EXPECT_NO_THROW(run(c));
+    c.offset = {0, 0, 40};
+    EXPECT_THROW(run(c), NumericalError);
+}
+
 TEST_F(RenderStage, APictureWithoutAHitIsANumericalFailure) {
     RenderConfig c = config("x.png");
     c.camera = "0,0,5,0,0,9,0,1,0";

@@ -74,6 +74,15 @@ TEST(RefitBudget, DividesWhatTheModelLeaves) {
     EXPECT_EQ(none.points, 0u);
     EXPECT_EQ(none.leaves, 0u);
     EXPECT_LE(refit_budget(std::uint64_t{1} << 40, 10).points, std::size_t{1} << 22);
+    // happy_stand_raw's are all fitted anew; of more the points leave them what they need.
+    EXPECT_GE(refit_budget(kLeastSmoothMemory, 10911).leaves, 10911u);
+    const RefitBudget many = refit_budget(kLeastSmoothMemory, 16000);
+    EXPECT_GE(many.leaves, 16000u);
+    EXPECT_LT(many.points, refit_budget(kLeastSmoothMemory, 10911).points);
+    // Where that is too much, the points keep their half: they tell how noisy they are.
+    const RefitBudget most = refit_budget(kLeastSmoothMemory, 20000);
+    EXPECT_LT(most.leaves, 20000u);
+    EXPECT_GT(most.points, many.points);
     // Batches lie where the points were.
     EXPECT_EQ(usual.batch, std::size_t{1} << 20);
     EXPECT_EQ(small.batch, std::size_t{1} << 16);
