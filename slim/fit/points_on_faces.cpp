@@ -39,9 +39,10 @@ struct Likeness {
     double sq_reach, sq_turn;
 
     double operator()(const Oriented& a, const Oriented& b) const {
-        const double near = 1 - sq_length(a.position - b.position) / sq_reach;
+        const double sq = sq_length(a.position - b.position);
+        if (sq >= sq_reach) return 0;  // most are
         const double alike = 1 - sq_length(a.normal - b.normal) / sq_turn;
-        return near > 0 && alike > 0 && b.has_normal() ? square(near * square(alike)) : 0;
+        return alike > 0 && b.has_normal() ? square((1 - sq / sq_reach) * square(alike)) : 0;
     }
 };
 
@@ -63,7 +64,8 @@ using Agreement = Oriented (*)(const Oriented& point, std::span<const Oriented> 
 
 Oriented turned(const Oriented& p, std::span<const Oriented> near, const Likeness& weight) {
     Vec3d sum;
-    for (const Oriented& q : near) sum += q.normal * weight(p, q);
+    for (const Oriented& q : near)
+        if (const double w = weight(p, q); w > 0) sum += q.normal * w;
     return {p.position, normalized(sum)};
 }
 

@@ -12,7 +12,7 @@ namespace {
 // times the noise: a point with a contrary normal is another sheet's
 constexpr double kOffSheet = 5;
 constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
-constexpr double kPoor = 2;  // eps^2 / lambda: noise does not explain it
+constexpr double kPoor = 0.1;  // eps^2 / lambda, which edges make, too: worth a look
 // with the degree chosen: whose points the finest rung holds (notes/0004)
 constexpr int kLeastChosen = 2;
 constexpr double kClearlyMore = 1.2;  // times the sample: a ball is not

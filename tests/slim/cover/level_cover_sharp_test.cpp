@@ -191,6 +191,24 @@ TEST(LevelCover, AnIcosahedronIsOfFlatFaces) {
     }
 }
 
+/// Leaves that miss their points by less than lambda, which edges feign, bend over edges as well;
+/// cubics do most of all.
+TEST(LevelCover, ASmallIcosahedronOfSeveralPartsIsOfFlatFaces) {
+    const PointBlock block = icosahedron_points(12);
+    CoverRules rules = rules_for(block, 0.01);
+    rules.noise_variance = std::pow(0.002 * rules.diagonal, 2);
+    rules.diagonal *= 3;
+    rules.sharp = true;
+    for (const int degree : {2, 3}) {
+        SCOPED_TRACE(degree);
+        rules.degree = degree;
+        const std::vector<FittedSurfel> leaves = leaves_of(cover(block, rules));
+        EXPECT_LE(leaves.size(), 50u);
+        for (const FittedSurfel& leaf : leaves)
+            EXPECT_LT(leaf.fit_error, 1e-3 * leaf.surfel.support_radius) << leaf.surfel.n_sheets();
+    }
+}
+
 TEST(LevelCover, NoiseRoundsNothingOff) {
     // Smaller balls are thicker still: tried smaller, leaves would fall apart into single points.
     PointBlock block = block_of(sampled("torus", 20000, 1, 1.6e-3));
