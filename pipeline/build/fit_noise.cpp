@@ -89,6 +89,10 @@ CoordinateSteps steps_from(const nlohmann::json& j) {
     CoordinateSteps steps;
     j.at("samples").get_to(steps.n_sampled), j.at("stepped").get_to(steps.n_stepped);
     j.at("rounded").get_to(steps.n_rounded), j.at("variance").get_to(steps.variance);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const nlohmann::json& axis = j.at("axes").at(a);
+        axis.at(0).get_to(steps.axes[a].n), axis.at(1).get_to(steps.axes[a].sq_step);
+    }
     return steps;
 }
 
@@ -154,7 +158,7 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;
-    const double smoothed = smoothed_variance(plan), stepped = said.steps.noise_variance(),
+    const double smoothed = smoothed_variance(plan), stepped = std::min(said.steps.noise_variance(), most),
                  least = std::max({floor, smoothed, stepped});
     out.noise_variance = lambda > 0 ? lambda : std::max(measured, least);
     out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), least);

@@ -12,7 +12,8 @@ struct GlobalNoise {
     /// lambda: no less than (4 q)^2, q the step between floats, than smoothed_variance(), and than
     /// what the coordinates' own steps make
     double noise_variance = 0;
-    double step_variance = 0;   ///< what of lambda the coordinates' steps make
+    double step_variance = 0;   ///< the least error squared of a ball, of coordinates in steps;
+                                ///< 0: none, or lambda is as configured
     double mean_variance = 0;   ///< lambda with all strays and noisy parts
     double stray_density = 0;   ///< strays to the volume of the cloud's box; 0 if they hardly count
     bool are_estimated = false;   ///< most of the normals are

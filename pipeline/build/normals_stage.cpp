@@ -32,6 +32,16 @@ constexpr std::size_t kFewestOfSlice = 100;  // samples of a slice for a mean ov
 constexpr std::uint64_t kBytesKept = 210;    // a point: 136 in use, and what is kept beside it
 constexpr std::uint64_t kBytesAhead = 46;    // a point of the next slice
 
+/// Of the samples this slice's share of those that tell of steps.
+std::span<const std::uint32_t> step_samples(std::span<const std::uint32_t> samples,
+                                            const std::vector<bool>& own, const SlicePlan& plan) {
+    constexpr double kFewest = 4;
+    const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
+    const double share = n_own / static_cast<double>(plan.n_points);
+    const double wanted = std::max(kFewest, std::ceil(double{kStepSamples} * share));
+    return samples.first(std::min(samples.size(), static_cast<std::size_t>(wanted)));
+}
+
 struct MeasuredNoise {
     std::vector<NoiseVariance> by_neighbors;  ///< one for each number of neighbours
     CoordinateSteps steps;
@@ -44,7 +54,7 @@ MeasuredNoise noise_of(const PointBlock& points, const NearestSearch& search,
                        const std::vector<bool>& own, const SlicePlan& plan) {
     const std::vector<std::uint32_t> samples =
         sample_points(points, own, kSamples / static_cast<double>(plan.n_points));
-    MeasuredNoise out{{}, coordinate_steps(search, samples)};
+    MeasuredNoise out{{}, coordinate_steps(search, step_samples(samples, own, plan))};
     if (plan.slices.size() == 1) {
         out.by_neighbors = {estimate_noise_variance(search, samples, 0, points.normal)};
         return out;
@@ -101,10 +111,13 @@ nlohmann::json bins_json(const VarianceBins& bins) {
 }
 
 nlohmann::json steps_json(const CoordinateSteps& s) {
+    nlohmann::json axes = nlohmann::json::array();
+    for (const CoordinateSteps::Axis& axis : s.axes) axes.push_back({axis.n, axis.sq_step});
     return {{"samples", s.n_sampled},
             {"stepped", s.n_stepped},
             {"rounded", s.n_rounded},
-            {"variance", s.variance}};
+            {"variance", s.variance},
+            {"axes", axes}};
 }
 
 nlohmann::json report_json(const NormalsReport& r, const MeasuredNoise& noise, std::size_t n) {

@@ -14,24 +14,28 @@
 namespace slim {
 namespace {
 
-constexpr std::size_t kFewNeighbors = 16, kManyNeighbors = 640;
-constexpr std::size_t kThinner = 4;
+constexpr std::size_t kFewNeighbors = 16, kManyNeighbors = 640, kNearNeighbors = 160;
+constexpr std::size_t kThinner = 4, kMostOfThinned = 1 << 20;
 /// Share of the samples whose few neighbours have a coordinate in common, from which many are
 /// looked at.
 constexpr double kSomeShare = 0.2;
 /// Points that share a step, at least, in the mean: of a grid of points some 25 stand in a row of
 /// 640.
 constexpr std::size_t kPointsAStep = 8;
-/// Steps that have so many, at least.
-constexpr std::size_t kFewestSteps = 3;
+/// Steps that have so many, at least; and of the nearer points so many.
+constexpr std::size_t kFewestSteps = 3, kNearPointsAStep = 2;
 /// Squared cosine of an axis to the normal from which its steps lie along it.
 constexpr double kAlong = 0.25;
 /// Residual over step^2 / 12 of points that are rounded: 1, and more with noise, which hides steps
 /// where it is larger; less of exact points on a grid, more where these have an edge.
 constexpr double kLeastRounded = 0.4, kMostRounded = 10;
-/// Samples that tell of steps, at least, and the share of them that says that they are noise.
+/// What the nearer neighbours leave of that, at least: rounding is the same at any size, what a
+/// quadric misses of a surface soon nothing.
+constexpr double kLeastNear = 0.25;
+/// Samples that tell of steps, at least, their share of all, and the share of them that says that
+/// steps are noise.
 constexpr std::size_t kFewestTold = 16;
-constexpr double kMostTold = 0.6;
+constexpr double kLeastShareTold = 1.0 / 16, kMostTold = 0.6;
 
 /// The different values of a coordinate of some points.
 struct Levels {
@@ -39,10 +43,11 @@ struct Levels {
     double extent = 0;
 
     std::size_t n() const { return n_points.size(); }
-    std::size_t n_held() const {
+    /// Those that have so many points.
+    std::size_t n_held(std::size_t least) const {
         return static_cast<std::size_t>(
             std::count_if(n_points.begin(), n_points.end(),
-                          [](std::size_t held) { return held >= kPointsAStep; }));
+                          [&](std::size_t held) { return held >= least; }));
     }
 };
 
@@ -68,15 +73,19 @@ bool share_levels(std::span<const Vec3d> positions, std::span<const std::uint32_
     return false;
 }
 
-/// Squared steps of the axes along the normal of some points, where three steps and more are seen;
-/// 0 where none are.
+/// Squared steps of the axes along the normal of some points, where three steps and more are seen,
+/// of the nearer ones, too; 0 where none are.
 std::array<double, 3> sq_steps(std::span<const Vec3d> positions,
-                               std::span<const std::uint32_t> points, const Vec3d& normal) {
+                               std::span<const std::uint32_t> points,
+                               std::span<const std::uint32_t> nearer, const Vec3d& normal) {
     std::array<double, 3> out{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (normal[axis] * normal[axis] < kAlong) continue;
         const Levels levels = levels_of(positions, points, axis);
-        if (levels.n_held() < kFewestSteps || kPointsAStep * levels.n() > points.size()) continue;
+        if (levels.n_held(kPointsAStep) < kFewestSteps ||
+            kPointsAStep * levels.n() > points.size() ||
+            levels_of(positions, nearer, axis).n_held(kNearPointsAStep) < kFewestSteps)
+            continue;
         const double step = levels.extent / static_cast<double>(levels.n() - 1);
         out[axis] = step * step;
     }
@@ -103,11 +112,10 @@ double quadric_residual(std::span<const Vec3d> positions, std::span<const std::u
     return n > 0 ? std::max(rest, 0.0) / n * reach * reach : 0;
 }
 
-/// The samples that serve, rising, among every stride-th point.
-std::vector<std::uint32_t> first_of(std::span<const std::uint32_t> samples, std::size_t stride) {
+/// Samples, rising, among every stride-th point.
+std::vector<std::uint32_t> among(std::span<const std::uint32_t> samples, std::size_t stride) {
     std::vector<std::uint32_t> out;
-    for (const std::uint32_t i : samples.first(std::min(samples.size(), kStepSamples)))
-        out.push_back(static_cast<std::uint32_t>(i / stride));
+    for (const std::uint32_t i : samples) out.push_back(static_cast<std::uint32_t>(i / stride));
     std::sort(out.begin(), out.end());
     out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
@@ -140,22 +148,41 @@ void add_mean(double& mean, std::size_t n, double more, std::size_t n_more) {
 struct StepsSeen {
     std::array<double, 3> sq_step{};
     double variance = 0;  ///< that they make along the normal
-    double residual = 0;  ///< squared, of the points off a quadric
+    double residual = 0, near_residual = 0;  ///< squared, of all points off a quadric and of the
+                                             ///< nearer ones off theirs
 
     bool are_rounded() const {
-        return residual >= kLeastRounded * variance && residual <= kMostRounded * variance;
+        return residual >= kLeastRounded * variance && residual <= kMostRounded * variance &&
+               near_residual >= kLeastNear * residual;
     }
 };
+
+/// The nearer ones of some neighbours.
+std::vector<std::uint32_t> nearer_of(std::span<const Vec3d> positions, std::uint32_t sample,
+                                     std::span<const std::uint32_t> neighbors) {
+    std::vector<std::uint32_t> out(neighbors.begin(), neighbors.end());
+    const auto sq_far = [&](std::uint32_t i) {
+        return sq_length(positions[i] - positions[sample]);
+    };
+    const auto end = out.begin() +
+                     static_cast<std::ptrdiff_t>(std::min(kNearNeighbors, out.size() - 1));
+    std::nth_element(out.begin(), end, out.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return sq_far(a) < sq_far(b); });
+    out.erase(end, out.end());
+    return out;
+}
 
 StepsSeen steps_seen(std::span<const Vec3d> positions, std::uint32_t sample,
                      std::span<const std::uint32_t> neighbors) {
     const Vec3d normal = spread_of(positions, neighbors).normal;
-    StepsSeen out{sq_steps(positions, neighbors, normal)};
+    const std::vector<std::uint32_t> nearer = nearer_of(positions, sample, neighbors);
+    StepsSeen out{sq_steps(positions, neighbors, nearer, normal)};
     for (std::size_t axis = 0; axis < 3; ++axis)
         out.variance += normal[axis] * normal[axis] * out.sq_step[axis] / 12;
-    if (out.variance > 0)
-        out.residual = quadric_residual(positions, neighbors, normal,
-                                        std::sqrt(sq_reach_of(positions, sample, neighbors)));
+    if (!(out.variance > 0)) return out;
+    const double reach = std::sqrt(sq_reach_of(positions, sample, neighbors));
+    out.residual = quadric_residual(positions, neighbors, normal, reach);
+    out.near_residual = quadric_residual(positions, nearer, normal, reach);
     return out;
 }
 
@@ -167,6 +194,7 @@ CoordinateSteps steps_around(const NearestSearch& search, std::span<const std::u
                         seen[w] = steps_seen(search.positions(), wanted[w], neighbors);
                     });
     CoordinateSteps out;
+    out.n_sampled = wanted.size();
     for (const StepsSeen& s : seen) {  // in one order, so threads do not matter
         if (!(s.variance > 0)) continue;
         CoordinateSteps one{0, 1, s.are_rounded() ? 1u : 0u, s.variance, {}};
@@ -190,8 +218,12 @@ CoordinateSteps& CoordinateSteps::operator+=(const CoordinateSteps& other) {
     return *this;
 }
 
+bool CoordinateSteps::are_told() const {
+    return static_cast<double>(n_stepped) >= kLeastShareTold * static_cast<double>(n_sampled);
+}
+
 bool CoordinateSteps::are_noise() const {
-    return n_stepped >= kFewestTold &&
+    return are_told() && n_stepped >= kFewestTold &&
            static_cast<double>(n_rounded) >= kMostTold * static_cast<double>(n_stepped);
 }
 
@@ -204,19 +236,18 @@ double CoordinateSteps::noise_variance(const Vec3d& normal) const {
 
 CoordinateSteps coordinate_steps(const NearestSearch& search,
                                  std::span<const std::uint32_t> samples) {
-    const std::vector<std::uint32_t> wanted = first_of(samples, 1);
+    const std::vector<std::uint32_t> wanted = among(samples, 1);
     CoordinateSteps out;
-    if (search.size() >= kManyNeighbors && may_be_stepped(search, wanted)) {
-        out = steps_around(search, wanted);
-        // On gentle slopes steps are wide.
-        for (std::size_t stride = kThinner;
-             out.n_stepped < kFewestTold && search.size() / stride >= kManyNeighbors;
-             stride *= kThinner) {
-            const std::vector<Vec3d> fewer = every(stride, search.positions());
-            out = steps_around(NearestSearch(fewer), first_of(samples, stride));
-        }
-    }
     out.n_sampled = wanted.size();
+    if (search.size() < kManyNeighbors || !may_be_stepped(search, wanted)) return out;
+    out = steps_around(search, wanted);
+    for (std::size_t stride = kThinner; !out.are_told(); stride *= kThinner) {
+        const std::size_t n = search.size() / stride;
+        if (n < kManyNeighbors) break;
+        if (n > kMostOfThinned) continue;
+        const std::vector<Vec3d> fewer = every(stride, search.positions());
+        out = steps_around(NearestSearch(fewer), among(samples, stride));
+    }
     return out;
 }
 

@@ -207,7 +207,8 @@ void RadiusLadder::fit_cheapest(const BallPoints<float>& ball, LadderFit& out) c
         const LocalFit& fit = fits[static_cast<std::size_t>(d - 1)];
         const double enough = rules_.points_per_coefficient * n_coefficients(d);
         if (d > 1 && (fit.degree < d || static_cast<double>(fit.n_points) < enough)) break;
-        const double energy = energy_of(d)(fit.sq_error, ball.radius);
+        const double sq_error = std::max(fit.sq_error, rules_.least_sq_error);
+        const double energy = energy_of(d)(sq_error, ball.radius);
         if (energy >= least) continue;
         least = energy;
         out.degree = d;

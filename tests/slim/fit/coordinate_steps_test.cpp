@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace slim::test {
@@ -12,7 +14,9 @@ namespace {
 
 CoordinateSteps steps_of(const std::vector<Vec3d>& points) {
     const PointBlock block = without_normals(points);
-    return coordinate_steps(NearestSearch(block.position), samples_of(block));
+    std::vector<std::uint32_t> samples = samples_of(block);
+    samples.resize(std::min(samples.size(), kStepSamples));
+    return coordinate_steps(NearestSearch(block.position), samples);
 }
 
 double rounded(double x, double step) { return std::round(x / step) * step; }
@@ -41,7 +45,7 @@ std::vector<Vec3d> cube_on_grid(int n) {
 
 TEST(CoordinateSteps, OfHeightsRoundedToWholeMetresAreATwelfth) {
     const CoordinateSteps steps = steps_of(raster(300, 1));
-    EXPECT_GT(steps.n_stepped, steps.n_sampled / 4);
+    EXPECT_GT(steps.n_stepped, steps.n_sampled / 8);
     EXPECT_GT(steps.n_rounded, steps.n_stepped * 9 / 10);
     // Slopes are 0.1 at the most: nearly all of a step is along the normal. A step that a
     // neighbourhood has a part of counts as whole.
@@ -60,7 +64,7 @@ TEST(CoordinateSteps, NeedNotBeEqual) {
     // A depth is one over a whole disparity: steps of 0.7 to 1.3.
     std::vector<Vec3d> points = raster(300, 0);
     for (Vec3d& p : points) p.z = 1000 / rounded(1000 / (31.6 + p.z), 1);
-    EXPECT_NEAR(steps_of(points).noise_variance() * 12, 1, 0.25);
+    EXPECT_NEAR(steps_of(points).noise_variance() * 12, 1, 0.35);
 }
 
 TEST(CoordinateSteps, NoiseOfAThirdOfAStepHidesNoSteps) {
@@ -91,6 +95,32 @@ TEST(CoordinateSteps, OnGentleSlopesTheyAreSeenByFewerPoints) {
 TEST(CoordinateSteps, ARasterOfExactHeightsHasNone) {
     const CoordinateSteps steps = steps_of(raster(300, 0));
     EXPECT_EQ(steps.n_stepped, 0u);
+    EXPECT_EQ(steps.noise_variance(), 0);
+}
+
+TEST(CoordinateSteps, ExactSteepHillsOnARasterHaveNone) {
+    // Where slopes are steep, the raster itself is along the normal, and a quadric over 640 points
+    // misses as much of these hills as rounding would make.
+    std::vector<Vec3d> points;
+    for (int x = 0; x < 300; ++x)
+        for (int y = 0; y < 300; ++y)
+            points.push_back({1.0 * x, 1.0 * y, 20 * std::sin(x / 20.0) * std::cos(y / 20.0)});
+    const CoordinateSteps steps = steps_of(points);
+    EXPECT_GT(steps.n_stepped, 50u);
+    EXPECT_EQ(steps.noise_variance(), 0);
+}
+
+TEST(CoordinateSteps, ExactSectionsHaveNone) {
+    std::vector<Vec3d> points;
+    for (int k = -49; k <= 49; ++k)
+        for (int i = 0; i < 1500; ++i) {
+            const double z = k / 50.0, angle = i * (2 * std::numbers::pi / 1500);
+            const double bump = 0.1 * std::sin(5 * angle) * std::cos(6 * z);
+            const double r = std::sqrt(1 - z * z) * (1 + bump);
+            points.push_back({r * std::cos(angle), r * std::sin(angle), z});
+        }
+    const CoordinateSteps steps = steps_of(points);
+    EXPECT_GT(steps.n_stepped, 30u);
     EXPECT_EQ(steps.noise_variance(), 0);
 }
 
@@ -132,6 +162,7 @@ TEST(CoordinateSteps, OfSlicesAddUp) {
 }
 
 TEST(CoordinateSteps, FewPlacesDoNotTell) {
+    EXPECT_EQ((CoordinateSteps{10000, 16, 16, 1.0, {}}.noise_variance()), 0);  // a patch
     EXPECT_EQ((CoordinateSteps{200, 15, 15, 1.0, {}}.noise_variance()), 0);
     EXPECT_EQ((CoordinateSteps{200, 16, 16, 1.0, {}}.noise_variance()), 1);
 }
