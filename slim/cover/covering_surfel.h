@@ -52,6 +52,8 @@ struct CoveringSurfel {
     std::vector<EdgePoint> edge_points;  ///< where they are
     std::vector<AirPlace> air;  ///< where it stands in the air; of leaves
                                 ///< that end early (notes/0012)
+    PackedRims void_rims = {};  ///< before what it would bridge, of what covers
+                                ///< no points beyond them (notes/0024)
     bool explains_center = false;
     Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     double breadth = 1;  ///< least RMS width of the points in the tangent

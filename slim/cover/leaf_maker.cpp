@@ -190,6 +190,12 @@ void LeafMaker::make_smaller(LeafCandidate& c, double radius, double lower) {
 }
 
 void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
+    make_whole(c, lower, work);
+    if (c.leaf) keep_voids(c, lower, work);
+}
+
+/// The leaf, wherever its ball may have no points.
+void LeafMaker::make_whole(LeafCandidate& c, double lower, LeafWork& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     if (c.n_sheets > 1) {
@@ -255,7 +261,8 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
             return;
         }
         if (length(c.surfel.lean) <= kBorder) return;
-        const std::optional<double> smaller = move_inwards(c, lower, work);
+        const std::optional<double> smaller =
+            move_inwards(c, normalized(c.surfel.lean), lower, work);
         if (c.choice.forced) return;
         const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
         if (!smaller && !at_corner) return;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/cover/cover_rules.h"
+#include "slim/cover/leaf_voids.h"
 #include "slim/cover/surfel_fit.h"
 #include "slim/fit/radius_ladder.h"
 #include "slim/fit/radius_windows.h"
@@ -112,12 +113,19 @@ private:
                   LeafWork& work) const;
     bool is_among_strays(const LeafCandidate& c, LeafWork& work) const;
     bool leaves_center(const LeafCandidate& c) const;
+    void make_whole(LeafCandidate& c, double lower, LeafWork& work) const;
     void shrink_to_few(LeafCandidate& c, LeafWork& work) const;
     static void make_smaller(LeafCandidate& c, double radius, double lower);
     /// leaf_maker_inwards.cpp.
     void end_with_points(const Vec3d& center, const Vec3d& normal, RadiusChoice& choice,
                          LeafWork& work) const;
-    std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;
+    std::optional<double> move_inwards(LeafCandidate& c, const Vec3d& inwards, double lower,
+                                       LeafWork& work) const;
+    /// leaf_maker_voids.cpp.
+    LeafVoids voids_in(const CoveringSurfel& leaf, LeafWork& work) const;
+    void make_again(LeafCandidate& c, double radius, LeafWork& work) const;
+    bool move_from(LeafCandidate& c, int direction, double lower, LeafWork& work) const;
+    void keep_voids(LeafCandidate& c, double lower, LeafWork& work) const;
 
     const PointBlock& block_;
     const CoverRules& rules_;

@@ -51,12 +51,12 @@ void LeafMaker::end_with_points(const Vec3d& center, const Vec3d& normal, Radius
 /// covers the border point as well reaches beyond it by a quarter of that only; it takes the leaf's
 /// place if its own radius allows it. If the radius there is smaller, the border must not have a
 /// larger one (a corner sees a quarter of the data only): that radius is returned. Departs from the
-/// paper, whose surfels overhang the borders of scans and sharp edges as discs.
-std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower,
+/// paper, whose surfels overhang the borders of scans and sharp edges as discs. inwards: unit
+std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, const Vec3d& inwards, double lower,
                                               LeafWork& work) const {
     const Vec3d from = block_.position[c.point];
     const double rho = c.surfel.fitted.surfel.support_radius;
-    const Vec3d target = from + normalized(c.surfel.lean) * (kInwards * rho);
+    const Vec3d target = from + inwards * (kInwards * rho);
     const auto place = nearest_point(pyramid_.all(), target, 0.5 * kInwards * rho);
     if (!place) return {};
     const PointTree& tree = pyramid_.all();

@@ -183,9 +183,10 @@ double share_at_edges(const CoveringSurfel& leaf) {
 PackedRims rims_of(const CoveringSurfel& leaf) {
     if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return {};
     const auto reaches = reaches_of(leaf);
-    if (!reaches) return {};
+    if (!reaches || leaf.void_rims.second != 0) return leaf.void_rims;
     std::vector<AirPlace> air = leaf.air;
-    PackedRims rims{rim_before(air, *reaches), 0};
+    PackedRims rims = leaf.void_rims;
+    if (rims.first == 0) rims.first = rim_before(air, *reaches);
     if (rims.first != 0) rims.second = rim_before(air, *reaches);
     if (rims.second != 0) return rims;
     Bounds bounds = bounds_of(leaf, *reaches);

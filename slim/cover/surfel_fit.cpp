@@ -79,6 +79,20 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     return out;
 }
 
+/// What is not drawn covers nothing: rims before a void have points beyond them (notes/0024).
+void leave_out_beyond_rims(CoveringSurfel& leaf) {
+    const PackedRims rims = leaf.fitted.surfel.rims;
+    if (!rims.any()) return;
+    const Rim first = unpack_rim(rims.first), second = unpack_rim(rims.second);
+    const auto is_beyond = [](const Rim& rim, const Covered& p) {
+        return rim.u * static_cast<double>(p.u) + rim.v * static_cast<double>(p.v) > rim.reach;
+    };
+    std::size_t n = 0;
+    for (const Covered& p : leaf.covered)
+        if (!is_beyond(first, p) && !is_beyond(second, p)) leaf.covered[n++] = p;
+    leaf.covered.resize(n);
+}
+
 }  // namespace
 
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
@@ -141,6 +155,7 @@ CoveringSurfel cover_again(const PointTree& points, const FittedSurfel& fitted,
         take_back(ball, fitted.surfel.frame.normal, aside);
     }
     list_points(points, ball, noise_variance, out);
+    leave_out_beyond_rims(out);
     return out;
 }
 
