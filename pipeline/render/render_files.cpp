@@ -277,7 +277,7 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
 
 SvgScale svg_scale(const RenderConfig& config, const Camera& camera, const PictureSize& size) {
     const double n = pixels_per_metre(config, camera, size);
-    return n > 0 ? SvgScale{1000 / n} : SvgScale{};
+    return n > 0 ? SvgScale(1000 / n) : SvgScale();
 }
 
 ImageMatrices make_matrices(const Camera& camera, const PictureSize& size) {

@@ -19,6 +19,6 @@ namespace slim {
 /// line_width   of contour lines, pixels
 std::string height_svg(std::span<const HeightLine> lines, std::span<const HeightLabel> labels,
                        int index_every, float line_width, const PixelWindow& window,
-                       const SvgScale& scale = {});
+                       const SvgScale& scale = SvgScale());
 
 }  // namespace slim

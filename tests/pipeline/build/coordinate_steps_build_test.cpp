@@ -38,7 +38,18 @@ TEST_F(SteppedClouds, StepsOfHeightsAreNoiseAndNoTerracesInAnyNumberOfSlices) {
     }
 }
 
-TEST_F(SteppedClouds, WhatNoiseOrThePersonSaysGoesBeforeSteps) {
+TEST_F(SteppedClouds, NoiseOfAStepIsLambdaAndTheStepsTheLeastOfABall) {
+    std::vector<Vec3d> points = hills_in_whole_units(250);
+    std::uint64_t i = 0;
+    for (Vec3d& p : points) p.z = std::round(p.z + 0.7 * gaussian(4, i++));
+    const auto result = build(build_config(write_text("noisy.xyz", points), "m.slim"));
+    EXPECT_GT(result["noise_variance"].get<double>(), 0.4);
+    EXPECT_NEAR(fit_of(result)["step_variance"].get<double>() * 12, 0.93, 0.1);
+    const std::string told = build_summary(file("m.slim"), {file("noisy.xyz")}, result);
+    EXPECT_EQ(told.find("in steps"), std::string::npos) << told;
+}
+
+TEST_F(SteppedClouds, LambdaThatIsGivenAndThickNoiseKnowNoSteps) {
     std::vector<Vec3d> points = hills_in_whole_units(100);
     BuildConfig config = build_config(write_text("hills.xyz", points), "m.slim");
     config.lambda = 0.01;

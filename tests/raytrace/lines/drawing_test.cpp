@@ -141,14 +141,14 @@ TEST(LinesSvg, LightInkHasItsBackgroundUnderIt) {
 TEST(LinesSvg, IsAsLargeAsItsScaleSays) {
     const PixelWindow all{0, 0, 960, 480};
     const std::vector kinds{LineKind::ridge, LineKind::valley, LineKind::contour};
-    const std::string large = lines_svg(kLines, kinds, 960, 480, all, {}, {2.0});
+    const std::string large = lines_svg(kLines, kinds, 960, 480, all, {}, SvgScale(2.0));
     EXPECT_NE(large.find("width=\"1920.000mm\" height=\"960.000mm\" "
                          "viewBox=\"0 0 1920.000 960.000\""),
               std::string::npos)
         << large;
     EXPECT_NE(large.find("M20.000,41.000 180.000,41.000"), std::string::npos) << large;
     // A micrometre a pixel: a thousandth of a pixel is kept all the same.
-    const std::string small = lines_svg(kLines, kinds, 960, 480, all, {}, {1e-3});
+    const std::string small = lines_svg(kLines, kinds, 960, 480, all, {}, SvgScale(1e-3));
     EXPECT_NE(small.find("M0.010000,0.020500 0.090000,0.020500"), std::string::npos) << small;
 }
 
