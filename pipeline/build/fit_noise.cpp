@@ -89,6 +89,7 @@ CoordinateSteps steps_from(const nlohmann::json& j) {
     CoordinateSteps steps;
     j.at("samples").get_to(steps.n_sampled), j.at("stepped").get_to(steps.n_stepped);
     j.at("rounded").get_to(steps.n_rounded), j.at("variance").get_to(steps.variance);
+    j.at("off").get_to(steps.off);
     for (std::size_t a = 0; a < 3; ++a) {
         const nlohmann::json& axis = j.at("axes").at(a);
         axis.at(0).get_to(steps.axes[a].n), axis.at(1).get_to(steps.axes[a].sq_step);
@@ -170,7 +171,7 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
         out.stray_density = stray_share(chosen) * static_cast<double>(plan.n_points) / volume;
     out.floored = lambda <= 0 && std::max({measured, smoothed, stepped}) < floor;
     if (lambda <= 0) {
-        out.step_variance = stepped;
+        out.step_variance = std::min(said.steps.step_variance(), most);
         out.typical_variance = std::max(out.typical_variance, stepped);
     }
     out.normals_inform = said.not_own <= kFewEstimated * said.points &&

@@ -117,6 +117,7 @@ nlohmann::json steps_json(const CoordinateSteps& s) {
             {"stepped", s.n_stepped},
             {"rounded", s.n_rounded},
             {"variance", s.variance},
+            {"off", s.off},
             {"axes", axes}};
 }
 

@@ -197,7 +197,8 @@ CoordinateSteps steps_around(const NearestSearch& search, std::span<const std::u
     out.n_sampled = wanted.size();
     for (const StepsSeen& s : seen) {  // in one order, so threads do not matter
         if (!(s.variance > 0)) continue;
-        CoordinateSteps one{0, 1, s.are_rounded() ? 1u : 0u, s.variance, {}};
+        CoordinateSteps one{0, 1, s.are_rounded() ? 1u : 0u, s.variance,
+                            std::max(s.variance, s.near_residual), {}};
         if (one.n_rounded > 0)
             for (std::size_t a = 0; a < 3; ++a)
                 one.axes[a] = {s.sq_step[a] > 0 ? 1u : 0u, s.sq_step[a]};
@@ -210,6 +211,7 @@ CoordinateSteps steps_around(const NearestSearch& search, std::span<const std::u
 
 CoordinateSteps& CoordinateSteps::operator+=(const CoordinateSteps& other) {
     add_mean(variance, n_rounded, other.variance, other.n_rounded);
+    add_mean(off, n_rounded, other.off, other.n_rounded);
     for (std::size_t a = 0; a < 3; ++a) {
         add_mean(axes[a].sq_step, axes[a].n, other.axes[a].sq_step, other.axes[a].n);
         axes[a].n += other.axes[a].n;

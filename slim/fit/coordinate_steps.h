@@ -25,6 +25,8 @@ struct CoordinateSteps {
     std::size_t n_rounded = 0;  ///< of these: where points lie off a quadric by as much as the
                                 ///< steps make, the nearer ones as well
     double variance = 0;        ///< mean over these of step^2 / 12 along the normal, length^2
+    double off = 0;             ///< of how far the nearer points lie off, squared: of these steps
+                                ///< and of noise beside them, as neighbours of one step hide it
     std::array<Axis, 3> axes;
 
     CoordinateSteps& operator+=(const CoordinateSteps& other);
@@ -32,8 +34,11 @@ struct CoordinateSteps {
     /// Whether enough of the samples see steps.
     bool are_told() const;
     bool are_noise() const;
-    /// Variance of a point along its surface's normal, typically; 0 unless the steps are noise.
-    double noise_variance() const { return are_noise() ? variance : 0; }
+    /// Variance of a point along its surface's normal that the steps make, typically; 0 unless they
+    /// are noise.
+    double step_variance() const { return are_noise() ? variance : 0; }
+    /// The same with the noise that was rounded.
+    double noise_variance() const { return are_noise() ? off : 0; }
     /// Along a unit normal: step^2 / 12 along each axis.
     double noise_variance(const Vec3d& normal) const;
 };

@@ -49,7 +49,8 @@ TEST(CoordinateSteps, OfHeightsRoundedToWholeMetresAreATwelfth) {
     EXPECT_GT(steps.n_rounded, steps.n_stepped * 9 / 10);
     // Slopes are 0.1 at the most: nearly all of a step is along the normal. A step that a
     // neighbourhood has a part of counts as whole.
-    EXPECT_NEAR(steps.noise_variance() * 12, 1, 0.05);
+    EXPECT_NEAR(steps.step_variance() * 12, 1, 0.05);
+    EXPECT_NEAR(steps.noise_variance() * 12, 1.05, 0.1);
     EXPECT_NEAR(steps.noise_variance({0, 0.6, 0.8}) * 12, 0.64, 0.03);
     EXPECT_EQ(steps.noise_variance({1, 0, 0}), 0);
 }
@@ -67,11 +68,13 @@ TEST(CoordinateSteps, NeedNotBeEqual) {
     EXPECT_NEAR(steps_of(points).noise_variance() * 12, 1, 0.35);
 }
 
-TEST(CoordinateSteps, NoiseOfAThirdOfAStepHidesNoSteps) {
+TEST(CoordinateSteps, NoiseThatIsRoundedIsToldWithThem) {
     std::vector<Vec3d> points = raster(300, 0);
     std::uint64_t i = 0;
     for (Vec3d& p : points) p.z = rounded(p.z + 0.33 * gaussian(5, i++), 1);
-    EXPECT_NEAR(steps_of(points).noise_variance() * 12, 1, 0.05);
+    const CoordinateSteps steps = steps_of(points);
+    EXPECT_NEAR(steps.step_variance() * 12, 1, 0.05);
+    EXPECT_NEAR(steps.noise_variance(), 0.33 * 0.33 + 1 / 12.0, 0.02);
 }
 
 TEST(CoordinateSteps, OfAllThreeCoordinatesThoseAlongTheNormalCount) {
@@ -80,7 +83,8 @@ TEST(CoordinateSteps, OfAllThreeCoordinatesThoseAlongTheNormalCount) {
         for (double* x : {&p.x, &p.y, &p.z}) *x = rounded(*x, 0.01);
     const CoordinateSteps steps = steps_of(points);
     // n_a^2 of an axis below 1/4 is left out: of the whole sphere's sum of 1 an eighth.
-    EXPECT_NEAR(steps.noise_variance() * 12 / 1e-4, 0.88, 0.06);
+    EXPECT_NEAR(steps.step_variance() * 12 / 1e-4, 0.88, 0.06);
+    EXPECT_NEAR(steps.noise_variance() * 12 / 1e-4, 1.1, 0.12);
     EXPECT_NEAR(steps.noise_variance({0.6, 0, 0.8}) * 12 / 1e-4, 1, 0.05);
 }
 
@@ -148,23 +152,25 @@ TEST(CoordinateSteps, WhereNoCoordinatesAreInCommonOnlyAFewNeighboursAreLookedAt
 
 TEST(CoordinateSteps, OfSlicesAddUp) {
     CoordinateSteps sum;
-    sum += {100, 20, 18, 2.0, {{{}, {}, {9, 24.0}}}};
-    EXPECT_EQ(sum.noise_variance(), 2.0);
-    sum += {50, 0, 0, 0, {}};
-    EXPECT_EQ(sum.noise_variance(), 2.0);
-    sum += {100, 10, 6, 6.0, {{{}, {}, {3, 72.0}}}};
+    sum += {100, 20, 18, 2.0, 3.0, {{{}, {}, {9, 24.0}}}};
+    EXPECT_EQ(sum.step_variance(), 2.0);
+    EXPECT_EQ(sum.noise_variance(), 3.0);
+    sum += {50, 0, 0, 0, 0, {}};
+    EXPECT_EQ(sum.step_variance(), 2.0);
+    sum += {100, 10, 6, 6.0, 7.0, {{{}, {}, {3, 72.0}}}};
     EXPECT_EQ(sum.n_sampled, 250u);
-    EXPECT_DOUBLE_EQ(sum.noise_variance(), 3.0);
+    EXPECT_DOUBLE_EQ(sum.step_variance(), 3.0);
+    EXPECT_DOUBLE_EQ(sum.noise_variance(), 4.0);
     EXPECT_DOUBLE_EQ(sum.noise_variance({0, 0, 1}), 3.0);
-    sum += {100, 40, 0, 0, {}};  // most of those that could say it do not
+    sum += {100, 40, 0, 0, 0, {}};  // most of those that could say it do not
     EXPECT_EQ(sum.noise_variance(), 0);
     EXPECT_EQ(sum.noise_variance({0, 0, 1}), 0);
 }
 
 TEST(CoordinateSteps, FewPlacesDoNotTell) {
-    EXPECT_EQ((CoordinateSteps{10000, 16, 16, 1.0, {}}.noise_variance()), 0);  // a patch
-    EXPECT_EQ((CoordinateSteps{200, 15, 15, 1.0, {}}.noise_variance()), 0);
-    EXPECT_EQ((CoordinateSteps{200, 16, 16, 1.0, {}}.noise_variance()), 1);
+    EXPECT_EQ((CoordinateSteps{10000, 16, 16, 1.0, 1.0, {}}.noise_variance()), 0);  // a patch
+    EXPECT_EQ((CoordinateSteps{200, 15, 15, 1.0, 1.0, {}}.noise_variance()), 0);
+    EXPECT_EQ((CoordinateSteps{200, 16, 16, 1.0, 1.0, {}}.noise_variance()), 1);
 }
 
 }  // namespace
