@@ -132,9 +132,12 @@ void wait_for_signals() {
     if (const pid_t pid = child.load()) kill(pid, SIGKILL);
     remove_live_temporaries();
     remove_empty_made_folders();
-    constexpr std::string_view kSaid =
-        "interrupted before its work was done: no half-written file is left\n";
-    if (!has_child && write(STDERR_FILENO, kSaid.data(), kSaid.size()) < 0)
+    const std::string_view said =
+        signal == SIGXCPU
+            ? "the limit of processor time (see `ulimit -t`) ended the work before it was done: no "
+              "half-written file is left\n"
+            : "interrupted before its work was done: no half-written file is left\n";
+    if (!has_child && write(STDERR_FILENO, said.data(), said.size()) < 0)
         _exit(static_cast<int>(ExitCode::internal));
     _exit(static_cast<int>(exit_code_of(signal)));
 }

@@ -51,6 +51,17 @@ std::string stretched_diagonal(const nlohmann::json& result) {
         whole, drawn, whole / drawn);
 }
 
+/// What there is to say of estimated normals whose pieces say nothing of each other.
+std::string guessed_sides(const nlohmann::json& result, std::uint64_t n_estimated) {
+    const auto& normals = result.at("stages").at("normals");
+    const std::uint64_t pieces = count(normals, "unanchored_components");
+    if (pieces < 2 || 2 * count(normals, "oriented_by_rule") < n_estimated) return "";
+    return fmt::format(
+        "; which side of each of {} pieces is out is told by its shape alone (--sensors: where "
+        "the scanner stood)",
+        pieces);
+}
+
 /// What a user may want to know of a cloud that was not as it should be; empty if it was.
 std::string remarks(const nlohmann::json& result) {
     std::string text;
@@ -62,7 +73,7 @@ std::string remarks(const nlohmann::json& result) {
         text += fmt::format("added on large faces: {} (--face-points off: vertices alone)\n",
                             counted(n, "point"));
     if (const auto n = count(result, "normals_estimated"))
-        text += fmt::format("normals estimated: {}\n", n);
+        text += fmt::format("normals estimated: {}{}\n", n, guessed_sides(result, n));
     if (const auto n = count(result, "normals_turned"))
         text += fmt::format("normals turned: {}\n", n);
     if (const auto n = count(fit, "copies"))

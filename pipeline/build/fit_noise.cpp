@@ -159,8 +159,9 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;
-    const double smoothed = smoothed_variance(plan), stepped = std::min(said.steps.noise_variance(), most),
-                 least = std::max({floor, smoothed, stepped});
+    const double smoothed = smoothed_variance(plan);
+    const double stepped = std::min(said.steps.noise_variance(), most);
+    const double least = std::max({floor, smoothed, stepped});
     out.noise_variance = lambda > 0 ? lambda : std::max(measured, least);
     out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), least);
     // Points on faces have no strays.

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace slim {
@@ -62,9 +64,11 @@ bool is_part_in_noise(const CoverRules& rules) {
 }
 
 /// As cover_points(), where the rules say whether edges are looked for.
-Cover cover_decided(const PointBlock& points, const PointPyramid& pyramid, const CoverRules& rules,
-                    Reporter& reporter) {
-    if (!is_part_in_noise(rules)) return LevelCover(points, rules, pyramid).run(reporter);
+/// pyramid: of the points; given back where others take their place.
+Cover cover_decided(const PointBlock& points, std::optional<PointPyramid>& pyramid,
+                    const CoverRules& rules, Reporter& reporter) {
+    if (!is_part_in_noise(rules)) return LevelCover(points, rules, *pyramid).run(reporter);
+    pyramid.reset();
     // the points of a sample are farther apart
     const double reach = part_noise(rules).reach() / std::sqrt(rules.share);
     const PointBlock on_faces = points_on_faces(points, reach);
@@ -78,10 +82,11 @@ Cover cover_decided(const PointBlock& points, const PointPyramid& pyramid, const
 }  // namespace
 
 Cover cover_points(const PointBlock& points, const CoverRules& rules, Reporter& reporter) {
-    const PointPyramid pyramid(points, box_of(points), rules.seed, rules.share);
+    std::optional<PointPyramid> pyramid(std::in_place, points, box_of(points), rules.seed,
+                                        rules.share);
     if (!rules.ask_for_edges) return cover_decided(points, pyramid, rules, reporter);
     CoverRules decided = rules;
-    const EdgeShare edges = edge_share(points, pyramid, edge_question(rules, points.size()));
+    const EdgeShare edges = edge_share(points, *pyramid, edge_question(rules, points.size()));
     decided.sharp = edges.are_features();
     Cover cover = cover_decided(points, pyramid, decided, reporter);
     cover.edges = edges;

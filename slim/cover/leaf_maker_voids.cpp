@@ -4,6 +4,7 @@
 #include "slim/cover/leaf_rim.h"
 #include "slim/cover/leaf_voids.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace {
 constexpr int kMostTries = 8;
 constexpr double kNear = 0.24;  // over rho: an end that leaves less than two thirds of the disc
 constexpr double kLeastShare = 0.7;    // a leaf that was moved becomes no smaller for a rim's step
-constexpr double kBitSmaller = 0.995;  // lest the same step is too short by rounding
+constexpr double kBitLarger = 1.002;  // lest the step is too short by rounding
 
 }  // namespace
 
@@ -28,9 +29,9 @@ LeafVoids LeafMaker::voids_in(const CoveringSurfel& leaf, LeafWork& work) const 
 
 /// The same leaf about another centre, or with another radius.
 void LeafMaker::make_again(LeafCandidate& c, double radius, LeafWork& work) const {
+    c.choice.widened = c.choice.saturated = false;
     RadiusChoice choice = c.choice;
     choice.radius = static_cast<float>(radius);
-    choice.widened = choice.saturated = false;
     const Vec3d normal = normalized(to_double(block_.normal[c.center]));
     c.surfel = fit_with_air(block_.position[c.center], normal, choice, work);
 }
@@ -61,7 +62,7 @@ void LeafMaker::keep_voids(LeafCandidate& c, double lower, LeafWork& work) const
         if (c.center != c.point && !fits_a_step)
             c.center = c.point, share = 1;  // back to the point itself
         else
-            share = share < 1 ? kBitSmaller * share : kGoldenRatio;
+            share = share < 1 ? std::min(kBitLarger * share, 1.0) : kGoldenRatio;
         const double radius = share * rho;
         if (!c.choice.forced && radius < c.choice.finest) return;
         if (radius < lower) {

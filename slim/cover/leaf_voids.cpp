@@ -29,7 +29,7 @@ constexpr std::size_t kRagged = 2;   // cells about a void that its squares do n
 constexpr double kSparseShare = 0.15;  // of the density elsewhere, about a point in sparse parts;
 constexpr std::size_t kVouches = 2;    // widths about it where it shows a surface all the same
 constexpr double kLeastReach = 0.04; // over rho: nearer the centre nothing ends
-constexpr double kOverhang = 0.75;   // spacings that a rim may stand beyond its end
+constexpr double kOverhang = 0.75;   // spacings that a rim may stand beyond its end, or a cell
 
 /// The drawn disc, for every number of cells.
 const CellMask& drawn_disc(std::size_t n) {
@@ -302,7 +302,7 @@ int step_at(double reach, double overhang) {
 }
 
 PackedRim packed(const VoidEnd& end, int step) {
-    return step > kRimReaches ? PackedRim{0} : pack_rim(end.direction, kRimStep * (step - 0.5));
+    return pack_rim(end.direction, kRimStep * (step - 0.5));
 }
 
 bool is_beyond(const Rim& rim, const Covered& p) {
@@ -374,7 +374,8 @@ bool end_at_voids(const LeafVoids& found, std::uint32_t point, CoveringSurfel& l
     share = 1;
     for (std::size_t i = 0; i < found.n_ends; ++i) {
         const VoidEnd& end = found.ends[i];
-        int step = step_at(end.reach, kOverhang * found.spacing);
+        int step =
+            step_at(end.reach, std::max(kOverhang * found.spacing, found.raster.cell));
         if (step == 0 && i == 0) {
             share = end.reach / (kRimStep * std::ceil(end.reach / kRimStep));
             return false;
@@ -382,6 +383,10 @@ bool end_at_voids(const LeafVoids& found, std::uint32_t point, CoveringSurfel& l
         if (step == 0) step = static_cast<int>(end.reach / kRimStep);
         if (step == 0) {
             share = kGoldenRatio;
+            return false;
+        }
+        if (step > kRimReaches) {  // no rim stands so far out: the void beyond what is drawn
+            share = end.reach / kHitTrim;
             return false;
         }
         (i == 0 ? rims.first : rims.second) = packed(end, step);

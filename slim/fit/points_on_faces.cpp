@@ -24,6 +24,8 @@ constexpr double kUsualTurns = 1.5;   // times the usual difference of two norma
 constexpr double kLeastTurn = 0.01, kMostTurn = 0.7;  // from half a degree to 41, as edges are
 constexpr int kTurns = 8, kMoves = 3;
 constexpr std::size_t kGrain = 16;  // buckets
+constexpr std::size_t kMostNear = 512;  // points about a bucket: of more, where points lie densely,
+                                        // every so manieth
 
 /// A point as it is after some passes.
 struct Oriented {
@@ -107,12 +109,21 @@ public:
 
 private:
     void run_bucket(std::size_t bucket, Agreement agree, std::vector<Oriented>& near) {
-        near.clear();
-        boxes_.for_buckets_near(boxes_.bucket(bucket), reach_, [&](std::size_t i, std::size_t end) {
-            for (; i < end; ++i) near.push_back(now_[i]);
-        });
         const std::size_t begin = bucket * BoxTree::kBucket;
         const std::size_t end = std::min(begin + BoxTree::kBucket, now_.size());
+        std::size_t n = 0;
+        const auto for_near = [&](const auto& visit) {
+            boxes_.for_buckets_near(boxes_.bucket(bucket), reach_, visit);
+        };
+        for_near([&](std::size_t first, std::size_t last) { n += last - first; });
+        const std::size_t stride = n / kMostNear + 1;
+        near.assign(now_.begin() + static_cast<std::ptrdiff_t>(begin),
+                    now_.begin() + static_cast<std::ptrdiff_t>(end));  // its own in any case
+        std::size_t k = 0;
+        for_near([&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                if (k++ % stride == 0 && (i < begin || i >= end)) near.push_back(now_[i]);
+        });
         for (std::size_t i = begin; i < end; ++i)
             next_[i] = now_[i].has_normal() ? agree(now_[i], near, weight_) : now_[i];
     }
