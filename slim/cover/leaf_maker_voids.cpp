@@ -29,7 +29,8 @@ LeafVoids LeafMaker::voids_in(const CoveringSurfel& leaf, LeafWork& work) const 
 
 /// The same leaf about another centre, or with another radius.
 void LeafMaker::make_again(LeafCandidate& c, double radius, LeafWork& work) const {
-    c.choice.widened = c.choice.saturated = false;
+    c.choice.widened = false;
+    c.choice.saturated = c.choice.saturated && radius >= c.surfel.fitted.surfel.support_radius;
     RadiusChoice choice = c.choice;
     choice.radius = static_cast<float>(radius);
     const Vec3d normal = normalized(to_double(block_.normal[c.center]));

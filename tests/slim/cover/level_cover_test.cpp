@@ -82,7 +82,8 @@ TEST(LevelCover, Row09ATiltedPlaneIsSaturatedAsWell) {
                 rules.windows = windows;
                 const Cover c = cover(block, rules);
                 EXPECT_GT(c.counts.leaves, 0u);
-                EXPECT_EQ(c.counts.saturated, c.counts.leaves);
+                // One at the border may be smaller, to end there (slim/cover/notes/0024).
+                EXPECT_GE(c.counts.saturated + 1, c.counts.leaves);
                 EXPECT_LT(c.counts.leaves, 150u);
                 for (const FittedSurfel& s : leaves_of(c))
                     EXPECT_LT(s.fit_error, 1e-12 * rules.diagonal);
