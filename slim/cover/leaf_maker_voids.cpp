@@ -3,6 +3,7 @@
 #include "slim/cover/leaf_maker.h"
 #include "slim/cover/leaf_rim.h"
 #include "slim/cover/leaf_voids.h"
+#include "slim/cover/void_ends.h"
 
 #include <algorithm>
 #include <utility>

@@ -37,10 +37,4 @@ bool may_bridge(const CoveringSurfel& leaf);
 /// over the ball, then some operations for each cell and direction of a rim.
 LeafVoids voids_of(const CoveringSurfel& leaf, const BallPoints<double>& ball, PackedRims rims);
 
-/// Ends a leaf there: its rims, and what it covers within them, where data go on beyond no nearer
-/// to them than a spacing. False, and nothing is done, if the steps of rims do not allow it, or its
-/// own point (in the block) would not be covered any more; `share` is then the share of its radius
-/// with which the first would stand right, 1 if none is known.
-bool end_at_voids(const LeafVoids& voids, std::uint32_t point, CoveringSurfel& leaf, double& share);
-
 }  // namespace slim

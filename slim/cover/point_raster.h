@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -54,5 +55,13 @@ private:
 
 /// The cells that lie wholly in the disc of that radius about the middle of [-1, 1]^2.
 CellMask disc_of_cells(std::size_t n, double radius);
+
+/// Calls visit(x, y) for each cell of a set.
+template <class Visit>
+void for_cells(const CellMask& cells, const Visit& visit) {
+    for (std::size_t y = 0; y < cells.n; ++y)
+        for (std::uint64_t bits = cells.rows[y]; bits != 0; bits &= bits - 1)
+            visit(static_cast<std::size_t>(std::countr_zero(bits)), y);
+}
 
 }  // namespace slim

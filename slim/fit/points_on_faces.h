@@ -24,6 +24,7 @@ struct PartNoise {
 /// that those of a face agree and edges stay edges; how alike, is told by how much they usually
 /// differ. Then points follow the planes across the normal half-way between two of them: those of a
 /// cylinder, which it neither widens nor narrows. Points without a normal stay.
+/// Where points lie densely, every so manieth of those about a bucket is asked, some 512.
 /// The same for any number of threads. Cost: some 15 us a point, 96 bytes a point meanwhile
 PointBlock points_on_faces(const PointBlock& points, double reach);
 

@@ -43,7 +43,7 @@ TEST_F(SteppedClouds, NoiseOfAStepIsLambdaAndTheStepsTheLeastOfABall) {
     std::uint64_t i = 0;
     for (Vec3d& p : points) p.z = std::round(p.z + 0.7 * gaussian(4, i++));
     const auto result = build(build_config(write_text("noisy.xyz", points), "m.slim"));
-    EXPECT_GT(result["noise_variance"].get<double>(), 0.3);  // 0.57; of ten neighbours 0.02
+    EXPECT_GT(result["noise_variance"].get<double>(), 0.3);  // of 0.57
     EXPECT_NEAR(fit_of(result)["step_variance"].get<double>() * 12, 0.93, 0.1);
     const std::string told = build_summary(file("m.slim"), {file("noisy.xyz")}, result);
     EXPECT_EQ(told.find("in steps"), std::string::npos) << told;

@@ -2,6 +2,7 @@
 
 #include "slim/cover/drawn_part.h"
 #include "slim/cover/leaf_rim.h"
+#include "slim/cover/void_ends.h"
 #include "tests/slim/cover/cover_support.h"
 #include "tests/slim/fit/fit_support.h"
 
